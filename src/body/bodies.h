@@ -1,0 +1,70 @@
+// The bodies of a scene and the spheres that make them up, as structures of arrays.
+#pragma once
+
+#include <vector>
+
+#include "core/math.h"
+#include "shape/shape.h"
+
+namespace cairn {
+
+/// Spheres; sphere i belongs to exactly one body. The spheres of a body are contiguous.
+struct Spheres {
+  std::vector<double> radius;         ///< m
+  std::vector<double> mass;           ///< kg, what gravity pulls; sums to the body's mass
+  std::vector<Vec3> offset;           ///< m, from the body's centre of mass, in the body's principal frame
+  std::vector<std::uint32_t> body;
+  std::vector<Vec3> position;         ///< m, space frame; derived from the bodies by place_spheres
+
+  std::size_t size() const { return radius.size(); }
+};
+
+/// Rigid bodies; a loose sphere is a body of one sphere. Momenta are carried, velocities derived.
+struct Bodies {
+  // Constant.
+  std::vector<double> mass;                  ///< kg
+  std::vector<Vec3> inertia;                 ///< kg m^2, principal moments
+  std::vector<std::uint32_t> shape;          ///< index into the scene's shapes
+  std::vector<double> length;                ///< m, the size that scales the shape
+  std::vector<std::uint16_t> material;
+  std::vector<std::uint32_t> first_sphere;   ///< size() + 1 entries
+  // Pose and momentum.
+  std::vector<Vec3> position;                ///< m, centre of mass
+  std::vector<Vec3> velocity;                ///< m/s
+  std::vector<Quat> orientation;             ///< principal frame -> space frame
+  std::vector<Vec3> spin;                    ///< kg m^2/s, angular momentum about the centre of mass, space frame
+  // Wrench of the last evaluation, about the centre of mass.
+  std::vector<Vec3> force;                   ///< N
+  std::vector<Vec3> torque;                  ///< N m
+
+  Spheres spheres;
+
+  std::size_t size() const { return mass.size(); }
+  std::size_t sphere_count(std::size_t b) const { return first_sphere[b + 1] - first_sphere[b]; }
+};
+
+/// Where a new body is put.
+struct Placement {
+  Vec3 position = Vec3::Zero();          ///< m, centre of mass
+  Quat orientation = Quat::Identity();   ///< frame of the shape file -> space frame
+  Vec3 velocity = Vec3::Zero();          ///< m/s
+  Vec3 angular_velocity = Vec3::Zero();  ///< rad/s, space frame
+};
+
+/// Appends one body of the given shape, size (m) and density (kg/m^3).
+void add_body(Bodies& bodies, const RigidShape& shape, std::uint32_t shape_index, double size, double density,
+              std::uint16_t material, const Placement& placement);
+
+/// Angular velocity of body b (rad/s, space frame): R I^-1 R^T L.
+inline Vec3 angular_velocity(const Bodies& bodies, std::size_t b) {
+  const Quat& q = bodies.orientation[b];
+  return q * (q.conjugate() * bodies.spin[b]).cwiseQuotient(bodies.inertia[b]);
+}
+
+/// Inverse inertia tensor of body b in the space frame (kg^-1 m^-2).
+Mat3 inverse_inertia(const Bodies& bodies, std::size_t b);
+
+/// Sphere centres from the bodies' poses.
+void place_spheres(Bodies& bodies);
+
+}  // namespace cairn

@@ -1,0 +1,26 @@
+// The two ways a run can end badly. Both carry one line meant for the user.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+namespace cairn {
+
+/// Bad input or an unusable file: the program prints the line and exits with code 2.
+class InputError : public std::runtime_error {
+ public:
+  template <class... Args>
+  explicit InputError(fmt::format_string<Args...> text, Args&&... args)
+      : std::runtime_error(fmt::format(text, std::forward<Args>(args)...)) {}
+};
+
+/// The physics left its bounds (overlap, NaN): the run is closed with a readable file, exit code 3.
+class UnstableError : public std::runtime_error {
+ public:
+  template <class... Args>
+  explicit UnstableError(fmt::format_string<Args...> text, Args&&... args)
+      : std::runtime_error(fmt::format(text, std::forward<Args>(args)...)) {}
+};
+
+}  // namespace cairn

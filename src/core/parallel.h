@@ -1,0 +1,56 @@
+// The parallel loop. Work is cut into blocks that do not depend on the number of threads, and sums add the
+// blocks in order: every result is bitwise the same for any number of threads.
+#pragma once
+
+#include <omp.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <exception>
+#include <vector>
+
+namespace cairn {
+
+/// Calls body(begin, end) over [0, count) in blocks of `block`; blocks may run in any order and at once.
+/// The first exception thrown by a block is rethrown.
+template <class Body>
+void parallel_blocks(std::size_t count, std::size_t block, Body&& body) {
+  const auto blocks = static_cast<std::ptrdiff_t>((count + block - 1) / block);
+  std::exception_ptr error;
+#pragma omp parallel for schedule(dynamic, 1) if (blocks > 1)
+  for (std::ptrdiff_t b = 0; b < blocks; ++b) {
+    const std::size_t begin = static_cast<std::size_t>(b) * block;
+    try {
+      body(begin, std::min(begin + block, count));
+    } catch (...) {
+#pragma omp critical(cairn_parallel_error)
+      if (!error) error = std::current_exception();
+    }
+  }
+  if (error) std::rethrow_exception(error);
+}
+
+/// Calls body(i) for i in [0, count).
+template <class Body>
+void parallel_for(std::size_t count, Body&& body) {
+  parallel_blocks(count, 512, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) body(i);
+  });
+}
+
+/// Sum of term(i) over [0, count), added in a fixed order. `zero` is the additive identity.
+template <class Value, class Term>
+Value parallel_sum(std::size_t count, Value zero, Term&& term) {
+  constexpr std::size_t block = 512;
+  std::vector<Value> partial((count + block - 1) / block, zero);
+  parallel_blocks(count, block, [&](std::size_t begin, std::size_t end) {
+    Value sum = zero;
+    for (std::size_t i = begin; i < end; ++i) sum += term(i);
+    partial[begin / block] = sum;
+  });
+  Value total = zero;
+  for (const Value& p : partial) total += p;
+  return total;
+}
+
+}  // namespace cairn

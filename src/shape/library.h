@@ -1,0 +1,19 @@
+// The shape library: one TOML file per shape, in shapes_lib/ or anywhere the user likes.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "shape/shape.h"
+
+namespace cairn {
+
+/// Names of the shapes in the library, sorted.
+std::vector<std::string> library_names();
+
+/// Reads a shape by library name ("tetrahedron") or by path ("my/grain.toml", relative to `base`).
+/// @throws InputError naming file, line, column and key when the file is missing or not a valid shape.
+Shape load_shape(const std::string& name_or_path, const std::filesystem::path& base = ".");
+
+}  // namespace cairn

@@ -1,0 +1,55 @@
+// A glued-sphere shape: spheres in a rigid arrangement, in units of a reference radius.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/math.h"
+
+namespace cairn {
+
+/// How the mass of overlapping spheres is counted (physics: each sphere fully, or the covered volume once).
+enum class MassModel { spheres, union_volume };
+
+/// Spheres as the shape file gives them. Lengths in units of the reference radius ("size" of a body, m).
+struct Shape {
+  std::string name;
+  std::string description;
+  std::vector<Vec3> centers;
+  std::vector<double> radii;
+};
+
+/// Volume, centroid and inertia of a solid of unit density.
+struct MassProperties {
+  double volume = 0.0;
+  Vec3 centroid = Vec3::Zero();
+  Mat3 inertia = Mat3::Zero();  ///< about the centroid
+};
+
+/// Sum over spheres; overlaps count as often as they are covered.
+MassProperties sum_of_spheres(const Shape& shape);
+
+/// The volume covered by at least one sphere, exact to quadrature round-off (about 1e-12).
+MassProperties union_of_spheres(const Shape& shape);
+
+/// A shape ready to become bodies: in its principal frame, origin at the centre of mass, unit size and density.
+struct RigidShape {
+  std::string name;
+  MassModel mass_model = MassModel::union_volume;
+  double volume = 0.0;             ///< in size^3
+  Vec3 inertia = Vec3::Zero();     ///< principal moments per mass, I1 <= I2 <= I3, in size^2
+  Quat axes = Quat::Identity();    ///< principal frame -> frame of the shape file
+  Vec3 center = Vec3::Zero();      ///< centre of mass in the frame of the shape file
+  std::vector<Vec3> offsets;       ///< sphere centres, principal frame, origin at the centre of mass
+  std::vector<double> radii;
+  std::vector<double> mass_fractions;  ///< gravity masses: sum 1, first moment 0, nearest to proportional to volume
+  double moment_error = 0.0;       ///< relative mismatch of the point masses' second moments and the inertia
+  double bounding_radius = 0.0;    ///< about the centre of mass
+};
+
+/// Principal frame, inertia and gravity masses of a shape.
+/// @throws InputError when no positive gravity masses satisfy sum 1 and zero first moment.
+RigidShape make_rigid(const Shape& shape, MassModel model);
+
+}  // namespace cairn
