@@ -1,0 +1,141 @@
+// A scene: everything a run depends on, as its TOML file states it. SI units throughout.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "contact/law/material.h"
+#include "core/math.h"
+#include "shape/shape.h"
+
+namespace cairn {
+
+enum class SizeDistribution { single, uniform, power_law };
+enum class DampingMass { bodies, spheres };
+enum class RollingSlip { none, zhang2017 };
+enum class GravityMethod { none, direct, tree };
+enum class OnFailure { release, keep };
+
+/// One shape of a mixture.
+struct ShapeChoice {
+  std::string shape;    ///< library name or path of a shape file
+  double weight = 1.0;  ///< relative number of bodies
+};
+
+/// A ball of bodies at random positions and orientations, without overlap.
+struct CloudSpec {
+  std::vector<ShapeChoice> shapes;
+  std::int64_t count = 0;
+  double filling = 0.1;  ///< volume of the bodies' bounding spheres over the volume of the ball
+  SizeDistribution distribution = SizeDistribution::single;
+  double size = 0.0;      ///< m; of every body, or the smallest
+  double size_max = 0.0;  ///< m; the largest, unless single
+  double exponent = 3.0;  ///< power_law: differential number ~ size^-exponent
+  double density = 0.0;   ///< kg/m^3
+  std::string material;
+  Vec3 position = Vec3::Zero();       ///< m
+  Vec3 velocity = Vec3::Zero();       ///< m/s
+  double spin_period = 0.0;           ///< s, rigid rotation about z; 0: none
+};
+
+/// One body put by hand.
+struct BodySpec {
+  std::string shape;
+  double size = 1.0;     ///< m
+  double density = 0.0;  ///< kg/m^3
+  std::string material;
+  Vec3 position = Vec3::Zero();           ///< m, centre of mass
+  Vec3 velocity = Vec3::Zero();           ///< m/s
+  Vec3 angular_velocity = Vec3::Zero();   ///< rad/s
+  Quat orientation = Quat::Identity();    ///< w, x, y, z: frame of the shape file -> space
+};
+
+/// A fixed plane; bodies are kept on the side its normal points to.
+struct PlaneSpec {
+  Vec3 point = Vec3::Zero();
+  Vec3 normal = Vec3::UnitZ();
+  std::string material;
+};
+
+struct ContactSpec {
+  std::optional<double> stiffness;   ///< k_N, N/m; chosen by the program when absent
+  std::optional<double> time_step;   ///< s; chosen by the program when absent
+  bool unsafe_time_step = false;     ///< accept a time step longer than the longest safe one
+  double steps_per_contact = 50.0;   ///< time steps in the shortest contact
+  double max_overlap = 0.01;         ///< aimed at by the automatic stiffness, of the smallest radius
+  double overlap_limit = 0.1;        ///< a larger overlap stops the run, of the smaller radius of the pair
+  DampingMass damping_mass = DampingMass::bodies;
+  RollingSlip rolling_slip = RollingSlip::none;
+};
+
+struct GravitySpec {
+  GravityMethod method = GravityMethod::tree;
+  double opening_angle = 0.5;
+  std::int64_t interval = 1;         ///< steps between renewals
+  Vec3 field = Vec3::Zero();         ///< m/s^2, uniform external field
+};
+
+/// A point of the spin path: time since the start of the stage (s), spin period (s).
+struct SpinPoint {
+  double time, period;
+};
+
+/// Prescribed spin of the pile about z [Zhang et al. 2021, section 2.3].
+struct SpinSpec {
+  std::vector<SpinPoint> path;
+  double control_interval = 0.0;        ///< s between corrections; 0: every step
+  OnFailure on_failure = OnFailure::release;
+  double axis_drop = 0.01;              ///< failure: relative fall of c/a from the start of control
+  bool include_shed = false;            ///< also spin bodies that have left the pile
+  std::optional<double> after_failure;  ///< s; the stage ends this long after failure
+};
+
+/// A stretch of the run with its own settings.
+struct StageSpec {
+  std::string name;
+  double duration = 0.0;                ///< s
+  std::string material;                 ///< replaces every body's material during the stage, when given
+  std::optional<double> impact_speed;   ///< m/s, for the automatic stiffness; the pile's escape speed when absent
+  std::optional<double> stiffness;      ///< N/m; replaces contact.stiffness
+  std::optional<double> time_step;      ///< s; replaces contact.time_step
+  std::optional<SpinSpec> spin;
+};
+
+struct OutputSpec {
+  double snapshot_interval = 0.0;     ///< s of simulated time; 0: only the ends of stages
+  double series_interval = 0.0;       ///< s of simulated time; 0: a thousandth of each stage
+  double checkpoint_interval = 300.0; ///< s of wall-clock time
+  double remnant_gap = 0.1;           ///< bodies closer than this times the smallest radius belong together
+};
+
+struct Scene {
+  std::string title;
+  std::uint64_t seed = 1;
+  MassModel mass_model = MassModel::union_volume;
+  std::string pile;  ///< result file whose last snapshot supplies the bodies; empty: none
+  std::vector<CloudSpec> clouds;
+  std::vector<BodySpec> bodies;
+  std::vector<PlaneSpec> planes;
+  std::vector<Material> materials;
+  ContactSpec contact;
+  GravitySpec gravity;
+  std::vector<StageSpec> stages;
+  OutputSpec output;
+
+  std::string text;                ///< the scene file as read
+  std::filesystem::path directory; ///< where relative paths start
+};
+
+/// Reads and validates a scene. Every key is checked against the key table (see scene_keys.cpp).
+/// @throws InputError with one line: file, line, column, key, what was expected.
+Scene load_scene(const std::filesystem::path& path);
+
+/// The same from text already in memory (a result file carries its scene); `name` stands in for the file.
+Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& directory);
+
+/// The reference of all scene keys: name, type, unit, default, bounds, help; made from the key table.
+std::string scene_reference();
+
+}  // namespace cairn
