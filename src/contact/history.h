@@ -1,0 +1,62 @@
+// The contact list: candidate pairs in order of their sphere ids, with what each touching pair remembers.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "contact/law/features.h"
+#include "contact/law/law.h"
+#include "contact/search.h"
+
+namespace cairn {
+
+/// One touching pair as a checkpoint stores it.
+struct ContactRecord {
+  std::uint32_t i, j;
+  ContactMemory<double> memory;
+};
+
+/// Force and torques of one contact; torques about the sphere centres, rolling and twisting included.
+struct ContactWrench {
+  double force[3];      ///< N, on i; j gets the opposite
+  double torque_i[3];   ///< N m
+  double torque_j[3];   ///< N m
+};
+
+/// Candidate pairs ("slots") sorted by (i, j), their histories and wrenches.
+class ContactList {
+ public:
+  /// Replaces the candidates; histories of touching pairs are carried over. Every touching pair must be among
+  /// the new candidates. `features` says which springs exist.
+  void rebuild(std::vector<Pair>& pairs, std::size_t spheres, const Features& features);
+
+  std::size_t slots() const { return pairs_.size(); }
+  const Pair& pair(std::size_t slot) const { return pairs_[slot]; }
+  /// First slot whose i is at least s; begin(spheres) is the number of slots.
+  std::uint32_t begin(std::size_t s) const { return row_[s]; }
+  bool touching(std::size_t slot) const { return c_n[slot] >= 0.0; }
+
+  ContactMemory<double> memory(std::size_t slot) const;
+  void set_memory(std::size_t slot, const ContactMemory<double>& memory);
+  /// Forgets a contact that has ended.
+  void release(std::size_t slot);
+
+  /// The touching pairs in order.
+  std::vector<ContactRecord> records() const;
+  /// Makes exactly these pairs touching (sorted; all must be candidates).
+  void restore(const std::vector<ContactRecord>& records);
+
+  /// Slots in which sphere s is the second partner: second[second_begin[s]] ... in increasing order.
+  std::vector<std::uint32_t> second_begin, second;
+
+  std::vector<double> c_n, c_s;                         ///< c_n < 0: not touching
+  std::vector<double> slide[3], roll[3], twist;         ///< empty when the features lack them
+  std::vector<ContactWrench> wrench;                    ///< zero where not touching
+
+ private:
+  std::vector<Pair> pairs_;
+  std::vector<std::uint32_t> row_;
+  Features features_;
+};
+
+}  // namespace cairn

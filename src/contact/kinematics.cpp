@@ -1,0 +1,35 @@
+#include "contact/kinematics.h"
+
+#include "core/parallel.h"
+
+namespace cairn {
+
+void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, double dt,
+                     std::vector<SphereMotion>& motions) {
+  const Spheres& spheres = bodies.spheres;
+  motions.resize(spheres.size());
+  const double half = 0.5 * dt;
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    const Vec3 velocity_end = bodies.velocity[b] + (half / bodies.mass[b]) * bodies.force[b];
+    const Vec3 momentum_end = bodies.spin[b] + half * bodies.torque[b];
+    const std::uint32_t begin = bodies.first_sphere[b], end = bodies.first_sphere[b + 1];
+    const bool loose = end - begin == 1;
+    const Quat& q = bodies.orientation[b];
+    const Vec3 w_end = loose ? Vec3(momentum_end.cwiseQuotient(bodies.inertia[b]))
+                             : Vec3(q * (q.conjugate() * momentum_end).cwiseQuotient(bodies.inertia[b]));
+    const Vec3& w_mid = spin_mid[b];
+    for (std::uint32_t s = begin; s < end; ++s) {
+      SphereMotion& m = motions[s];
+      const Vec3 arm = spheres.position[s] - bodies.position[b];
+      const Vec3 arm_mid = arm - half * w_mid.cross(arm);
+      Eigen::Map<Vec3>(m.position) = spheres.position[s];
+      m.radius = spheres.radius[s];
+      Eigen::Map<Vec3>(m.velocity_mid) = bodies.velocity[b] + w_mid.cross(arm_mid);
+      Eigen::Map<Vec3>(m.spin_mid) = w_mid;
+      Eigen::Map<Vec3>(m.velocity) = velocity_end + w_end.cross(arm);
+      Eigen::Map<Vec3>(m.spin) = w_end;
+    }
+  });
+}
+
+}  // namespace cairn

@@ -1,0 +1,26 @@
+// How every sphere moves in the step: what the contact sweep reads, packed into two cache lines per sphere.
+#pragma once
+
+#include <vector>
+
+#include "body/bodies.h"
+
+namespace cairn {
+
+/// Position at the end of the drift; velocity of the centre and spin in mid-step, and predicted for the end.
+struct alignas(128) SphereMotion {
+  double position[3];
+  double radius;
+  double velocity_mid[3];
+  double spin_mid[3];  ///< angular velocity of the body, rad/s
+  double velocity[3];
+  double spin[3];      ///< angular velocity of the body, rad/s
+};
+static_assert(sizeof(SphereMotion) == 128);
+
+/// Fills `motions` from the bodies after the drift: half-step velocities are in the bodies, `spin_mid` holds
+/// their mean angular velocity over the drift, and the last wrench predicts the end of the step.
+void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, double dt,
+                     std::vector<SphereMotion>& motions);
+
+}  // namespace cairn

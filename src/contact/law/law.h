@@ -1,0 +1,188 @@
+// The contact law of one pair: spring, dashpot and slider for each relative motion, with cohesion.
+// Pure functions of one contact, for T = double or Batch (eight contacts at once).
+// Equations: Zhang et al. 2017 (Icarus 294, 98) section 2, Zhang et al. 2021 (Icarus 362, 114433) eq. 1,
+// Schwartz et al. 2012 (Granular Matter 14, 363), Jiang et al. 2015.
+#pragma once
+
+#include "contact/law/features.h"
+#include "core/simd.h"
+
+namespace cairn {
+
+/// Constants of a pair of materials at the stiffness in force.
+struct PairLaw {
+  double k_n = 0.0;         ///< normal stiffness, N/m
+  double k_s = 0.0;         ///< tangential stiffness, N/m
+  double damping_n = 0.0;   ///< C_N / sqrt(k_N mu)
+  double damping_s = 0.0;   ///< C_S / sqrt(k_S mu_t)
+  double friction = 0.0;    ///< mu_S
+  double rolling = 0.0;     ///< mu_R beta
+  double twisting = 0.0;    ///< mu_T beta mu_S
+  double beta = 0.0;
+  double cohesion = 0.0;    ///< c (2 beta)^2, Pa
+};
+
+/// PairLaw, one or eight at a time.
+template <class T>
+struct LawConstants {
+  T k_n, k_s, friction, rolling, twisting, beta, cohesion;
+
+  LawConstants() = default;
+  explicit LawConstants(const PairLaw& law)
+      : k_n(law.k_n), k_s(law.k_s), friction(law.friction), rolling(law.rolling), twisting(law.twisting),
+        beta(law.beta), cohesion(law.cohesion) {}
+};
+
+/// What a contact remembers from step to step.
+template <class T>
+struct ContactMemory {
+  T c_n, c_s;              ///< dashpot constants, kg/s, from the effective masses at first touch
+  Triple<T> slide, roll;   ///< spring lengths: m, rad
+  T twist;                 ///< rad
+};
+
+/// Where the two surfaces meet, at the end of the drift and in its middle.
+template <class T>
+struct ContactGeometry {
+  Triple<T> n, n_mid;   ///< unit normal from i to j
+  T overlap;            ///< m
+  T radius;             ///< effective radius, m
+  T slip_lever;         ///< (l_j - l_i) / (2 l_i l_j), 1/m; used by rolling_slip = zhang2017 only
+};
+
+/// Relative motion of j against i at the contact point.
+template <class T>
+struct ContactMotion {
+  Triple<T> u, w;          ///< velocity (m/s) and spin (rad/s) predicted for the end of the step: dashpots
+  Triple<T> u_mid, w_mid;  ///< the same in mid-step: springs
+  Triple<T> turn;          ///< mean angular velocity of the two bodies in mid-step, rad/s: carries the springs
+  T dt;                    ///< part of the step during which the contact has existed, s
+};
+
+/// Force and couple on i (j gets the opposite) and the work lost in the step.
+template <class T>
+struct ContactAction {
+  Triple<T> force;   ///< N
+  Triple<T> couple;  ///< N m, rolling and twisting
+  T dissipated;      ///< J
+};
+
+/// Turns `a` by the rotation vector `phi` (rad), |phi| up to about 0.5 to round-off.
+template <class T>
+Triple<T> rotate(const Triple<T>& phi, T sine, T versine, const Triple<T>& a) {
+  const Triple<T> b = cross(phi, a);
+  return fma(versine, cross(phi, b), fma(sine, b, a));
+}
+
+/// `a` made orthogonal to the unit vector n at unchanged length.
+template <class T>
+Triple<T> flatten(const Triple<T>& a, const Triple<T>& n) {
+  const Triple<T> flat = fma(-dot(a, n), n, a);
+  const T length2 = dot(a, a), flat2 = dot(flat, flat);
+  const T scale = select(flat2 > T(0.0), sqrt(length2 / select(flat2 > T(0.0), flat2, T(1.0))), T(1.0));
+  return scale * flat;
+}
+
+/// min(1, limit / length) for a vector of squared length `length2`.
+template <class T>
+T cut(T limit, T length2) {
+  const auto over = length2 > limit * limit;
+  return select(over, limit / sqrt(select(over, length2, T(1.0))), T(1.0));
+}
+
+/// Advances the springs over the drift, evaluates spring + dashpot + slider for each motion that F has.
+template <Features F, class T>
+ContactAction<T> evaluate(const LawConstants<T>& law, const ContactGeometry<T>& geometry,
+                          const ContactMotion<T>& motion, ContactMemory<T>& memory) {
+  const Triple<T>& n = geometry.n;
+  const Triple<T>& n_mid = geometry.n_mid;
+  const T dt = motion.dt;
+  const T zero(0.0);
+
+  const T u_n = dot(motion.u, n);
+  const T u_n_mid = dot(motion.u_mid, n_mid);
+  const T press = fma(law.k_n, geometry.overlap, -(memory.c_n * u_n));
+  T along = -press;  // component along n of the force on i
+  if constexpr (F.cohesion) along = fma(law.cohesion * geometry.radius, geometry.radius, along);
+
+  ContactAction<T> action;
+  action.force = along * n;
+  action.couple = {zero, zero, zero};
+  action.dissipated = memory.c_n * u_n_mid * u_n_mid * dt;
+  if constexpr (!F.tangential) return action;
+
+  const T limit_s = law.friction * max(press, zero);
+  // Rotation of the springs over half a step: sin(phi)/phi and (1 - cos(phi))/phi^2 as series.
+  const Triple<T> phi = (T(0.5) * dt) * motion.turn;
+  const T phi2 = dot(phi, phi);
+  const T sine = T(1.0) - phi2 * T(1.0 / 6) *
+                              (T(1.0) - phi2 * T(1.0 / 20) * (T(1.0) - phi2 * T(1.0 / 42) * (T(1.0) - phi2 * T(1.0 / 72))));
+  const T versine = T(0.5) - phi2 * T(1.0 / 24) *
+                                 (T(1.0) - phi2 * T(1.0 / 30) * (T(1.0) - phi2 * T(1.0 / 56) * (T(1.0) - phi2 * T(1.0 / 90))));
+  const auto advance = [&](const Triple<T>& spring, const Triple<T>& rate) {
+    return flatten(rotate(phi, sine, versine, fma(dt, rate, rotate(phi, sine, versine, spring))), n);
+  };
+  // Spring, dashpot, slider: the spring is shortened to what the slider holds, then the sum is cut to the limit.
+  const auto slide = [&](T stiffness, T damping, T limit, Triple<T>& spring, const Triple<T>& rate,
+                         const Triple<T>& rate_mid) {
+    const T before = dot(spring, spring);
+    const T keep = cut(limit, stiffness * stiffness * before);
+    spring = keep * spring;
+    const Triple<T> elastic = stiffness * spring;
+    const Triple<T> sum = fma(damping, rate, elastic);
+    const Triple<T> drag = cut(limit, dot(sum, sum)) * sum;
+    action.dissipated += fma(dot(drag - elastic, rate_mid), dt,
+                             T(0.5) * stiffness * before * fma(-keep, keep, T(1.0)));
+    return drag;
+  };
+
+  const Triple<T> u_t = fma(-u_n, n, motion.u);
+  const Triple<T> u_t_mid = fma(-u_n_mid, n_mid, motion.u_mid);
+  memory.slide = advance(memory.slide, u_t_mid);
+  action.force = action.force + slide(law.k_s, memory.c_s, limit_s, memory.slide, u_t, u_t_mid);
+
+  if constexpr (F.rolling || F.twisting) {
+    const T patch = law.beta * geometry.radius;
+    const T patch2 = patch * patch;
+    const T w_n = dot(motion.w, n);
+    const T w_n_mid = dot(motion.w_mid, n_mid);
+    if constexpr (F.rolling) {
+      Triple<T> w_r = fma(-w_n, n, motion.w);
+      Triple<T> w_r_mid = fma(-w_n_mid, n_mid, motion.w_mid);
+      if constexpr (F.rolling_slip) {
+        w_r = fma(geometry.slip_lever, cross(n, u_t), w_r);
+        w_r_mid = fma(geometry.slip_lever, cross(n_mid, u_t_mid), w_r_mid);
+      }
+      const T limit_r = law.rolling * geometry.radius * max(press, zero);
+      memory.roll = advance(memory.roll, w_r_mid);
+      action.couple = slide(law.k_n * patch2, memory.c_n * patch2, limit_r, memory.roll, w_r, w_r_mid);
+    }
+    if constexpr (F.twisting) {
+      const T limit_t = law.twisting * geometry.radius * max(press, zero);
+      const T stiffness = T(2.0) * law.k_s * patch2, damping = T(2.0) * memory.c_s * patch2;
+      const T before = fma(dt, w_n_mid, memory.twist);
+      memory.twist = cut(limit_t, stiffness * stiffness * before * before) * before;
+      const T elastic = stiffness * memory.twist;
+      const T couple = max(-limit_t, min(limit_t, fma(damping, w_n, elastic)));
+      action.dissipated += fma((couple - elastic) * w_n_mid, dt,
+                               T(0.5) * stiffness * (before * before - memory.twist * memory.twist));
+      action.couple = fma(couple, n, action.couple);
+    }
+  }
+  return action;
+}
+
+/// Energy stored in the springs of a contact, less the work that cohesion has gained (J).
+template <Features F>
+double stored_energy(const LawConstants<double>& law, double overlap, double radius,
+                     const ContactMemory<double>& memory) {
+  double energy = 0.5 * law.k_n * overlap * overlap;
+  if constexpr (F.cohesion) energy -= law.cohesion * radius * radius * overlap;
+  if constexpr (F.tangential) energy += 0.5 * law.k_s * dot(memory.slide, memory.slide);
+  const double patch2 = law.beta * law.beta * radius * radius;
+  if constexpr (F.rolling) energy += 0.5 * law.k_n * patch2 * dot(memory.roll, memory.roll);
+  if constexpr (F.twisting) energy += law.k_s * patch2 * memory.twist * memory.twist;
+  return energy;
+}
+
+}  // namespace cairn

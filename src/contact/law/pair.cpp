@@ -1,0 +1,66 @@
+#include "contact/law/pair.h"
+
+#include <cmath>
+
+namespace cairn {
+
+Material mix(const Material& a, const Material& b) {
+  const auto mean = [](double x, double y) { return x == y ? x : std::sqrt(x * y); };
+  return {.name = a.name + "/" + b.name,
+          .restitution_normal = mean(a.restitution_normal, b.restitution_normal),
+          .restitution_tangential = mean(a.restitution_tangential, b.restitution_tangential),
+          .friction = mean(a.friction, b.friction),
+          .friction_rolling = mean(a.friction_rolling, b.friction_rolling),
+          .friction_twisting = mean(a.friction_twisting, b.friction_twisting),
+          .shape_factor = 0.5 * (a.shape_factor + b.shape_factor),
+          .cohesion = mean(a.cohesion, b.cohesion)};
+}
+
+double damping_ratio(double restitution) {
+  if (restitution <= 0.0) return 2.0;
+  const double log_e = std::log(restitution);
+  return -2.0 * log_e / std::sqrt(kPi * kPi + log_e * log_e);
+}
+
+PairLaw make_pair_law(const Material& a, const Material& b, double k_n) {
+  const Material pair = mix(a, b);
+  const double beta = pair.shape_factor;
+  return {.k_n = k_n,
+          .k_s = kTangentialRatio * k_n,
+          .damping_n = damping_ratio(pair.restitution_normal),
+          .damping_s = damping_ratio(pair.restitution_tangential),
+          .friction = pair.friction,
+          .rolling = pair.friction_rolling * beta,
+          .twisting = pair.friction_twisting * beta * pair.friction,
+          .beta = beta,
+          .cohesion = pair.cohesion * 4.0 * beta * beta};
+}
+
+Features required_features(const std::vector<Material>& materials, bool zhang_slip) {
+  Features wanted;
+  for (const Material& a : materials)
+    for (const Material& b : materials) {
+      const PairLaw law = make_pair_law(a, b, 1.0);
+      wanted.tangential |= law.friction > 0.0;
+      wanted.rolling |= law.rolling > 0.0;
+      wanted.twisting |= law.twisting > 0.0;
+      wanted.cohesion |= law.cohesion > 0.0;
+    }
+  wanted.rolling_slip = zhang_slip && wanted.rolling;
+  return compiled_set(wanted);
+}
+
+EffectiveMass effective_mass(const Inertia& i, const Vec3& arm_i, const Inertia& j, const Vec3& arm_j,
+                             const Vec3& n) {
+  // Mobility K = (1/M_i + 1/M_j) 1 + [a]x I^-1 [a]x^T: the velocity of the contact point per unit force.
+  const auto mobility = [](const Inertia& side, const Vec3& arm) -> Mat3 {
+    Mat3 skew;
+    skew << 0.0, -arm.z(), arm.y(), arm.z(), 0.0, -arm.x(), -arm.y(), arm.x(), 0.0;
+    return side.inverse_mass * Mat3::Identity() + skew * side.inverse_inertia * skew.transpose();
+  };
+  const Mat3 k = mobility(i, arm_i) + mobility(j, arm_j);
+  const double normal = n.dot(k * n);
+  return {1.0 / normal, 2.0 / (k.trace() - normal)};
+}
+
+}  // namespace cairn

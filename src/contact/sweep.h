@@ -1,0 +1,46 @@
+// One pass over the candidate pairs: which touch, what force and couple they exert.
+#pragma once
+
+#include <vector>
+
+#include "body/bodies.h"
+#include "contact/history.h"
+#include "contact/kinematics.h"
+#include "contact/law/pair.h"
+
+namespace cairn {
+
+/// What the sweep needs beside motions and contacts.
+struct SweepSettings {
+  double dt = 0.0;                 ///< s
+  Features features;
+  bool sphere_damping = false;     ///< damping from sphere masses instead of effective masses
+  std::vector<PairLaw> laws;       ///< materials x materials
+  std::size_t materials = 1;
+  std::vector<std::uint16_t> material;  ///< of each body
+};
+
+/// What a sweep reports.
+struct SweepReport {
+  double dissipated = 0.0;     ///< J, lost in this step
+  double overlap_ratio = 0.0;  ///< greatest overlap over the smaller radius of its pair
+};
+
+/// Evaluates every touching pair: histories and wrenches are updated in place.
+/// Two spheres with one centre have no normal: their overlap ratio is 2, the wrench meaningless.
+SweepReport sweep(const Bodies& bodies, const std::vector<SphereMotion>& motions, const SweepSettings& settings,
+                  ContactList& contacts);
+
+/// The touching pair with the greatest overlap over its smaller radius; i == j when nothing touches.
+Pair deepest_pair(const Bodies& bodies, const ContactList& contacts);
+
+/// Dashpot constants of a pair from its effective masses at the present poses.
+void set_damping(const Bodies& bodies, const SweepSettings& settings, ContactList& contacts, std::size_t slot);
+
+/// Adds contact forces and torques to the bodies' wrenches, in the order of sphere ids.
+void gather_wrenches(const ContactList& contacts, Bodies& bodies);
+
+/// Energy stored in all springs (J), at the spheres' present positions.
+double stored_energy(const Bodies& bodies, const SweepSettings& settings, const ContactList& contacts);
+
+}  // namespace cairn

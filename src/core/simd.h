@@ -1,0 +1,160 @@
+// Eight doubles at once, on every instruction set (the compiler splits them where registers are shorter).
+// The same functions exist for double, so that one template serves a scalar test and a vector sweep.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace cairn {
+
+inline constexpr std::size_t kLanes = 8;
+
+/// Result of comparing batches: all bits of a lane set, or none.
+struct Mask {
+  using Vector = std::int64_t __attribute__((vector_size(64)));
+  Vector v;
+  friend Mask operator&(Mask a, Mask b) { return {a.v & b.v}; }
+  friend Mask operator|(Mask a, Mask b) { return {a.v | b.v}; }
+};
+
+struct Batch {
+  using Vector = double __attribute__((vector_size(64)));
+  Vector v;
+
+  Batch() = default;
+  Batch(Vector x) : v(x) {}
+  Batch(double x) : v(Vector{} + x) {}
+
+  double operator[](std::size_t lane) const { return v[lane]; }
+  friend Batch operator+(Batch a, Batch b) { return a.v + b.v; }
+  friend Batch operator-(Batch a, Batch b) { return a.v - b.v; }
+  friend Batch operator*(Batch a, Batch b) { return a.v * b.v; }
+  friend Batch operator/(Batch a, Batch b) { return a.v / b.v; }
+  friend Batch operator-(Batch a) { return -a.v; }
+  Batch& operator+=(Batch a) { v += a.v; return *this; }
+  friend Mask operator<(Batch a, Batch b) { return {a.v < b.v}; }
+  friend Mask operator>(Batch a, Batch b) { return {a.v > b.v}; }
+};
+
+inline bool any(Mask m) {
+  std::int64_t bits = 0;
+  for (std::size_t l = 0; l < kLanes; ++l) bits |= m.v[l];
+  return bits != 0;
+}
+inline bool any(bool m) { return m; }
+
+inline Batch select(Mask m, Batch yes, Batch no) { return m.v ? yes.v : no.v; }
+inline double select(bool m, double yes, double no) { return m ? yes : no; }
+
+inline Batch min(Batch a, Batch b) { return a.v < b.v ? a.v : b.v; }
+inline Batch max(Batch a, Batch b) { return a.v > b.v ? a.v : b.v; }
+inline double min(double a, double b) { return a < b ? a : b; }
+inline double max(double a, double b) { return a > b ? a : b; }
+
+inline Batch sqrt(Batch a) {
+  Batch r;
+  for (std::size_t l = 0; l < kLanes; ++l) r.v[l] = __builtin_sqrt(a.v[l]);
+  return r;
+}
+inline double sqrt(double a) { return __builtin_sqrt(a); }
+
+inline Batch abs(Batch a) { return max(a, -a); }
+inline double abs(double a) { return __builtin_fabs(a); }
+
+/// a * b + c, fused where the instruction set has it.
+inline double fma(double a, double b, double c) {
+#ifdef __FMA__
+  return __builtin_fma(a, b, c);
+#else
+  return a * b + c;
+#endif
+}
+inline Batch fma(Batch a, Batch b, Batch c) {
+#ifdef __FMA__
+  Batch r;
+  for (std::size_t l = 0; l < kLanes; ++l) r.v[l] = __builtin_fma(a.v[l], b.v[l], c.v[l]);
+  return r;
+#else
+  return a * b + c;
+#endif
+}
+
+/// Reads 8 consecutive doubles from each of 8 rows: column k of the rows comes out as out[k].
+inline void load_transposed(const double* const (&rows)[kLanes], Batch (&out)[kLanes]);
+
+/// The inverse: writes in[k], lane l to rows[l][k].
+inline void store_transposed(const Batch (&in)[kLanes], double* const (&rows)[kLanes]);
+
+namespace simd_detail {
+
+using V = Batch::Vector;
+using I = Mask::Vector;
+
+inline V load(const double* p) {
+  V v;
+  __builtin_memcpy(&v, p, sizeof v);
+  return v;
+}
+
+/// Transposes an 8 x 8 block held in registers: pairs, quads, halves.
+inline void transpose(V (&r)[8]) {
+  constexpr I low1{0, 8, 2, 10, 4, 12, 6, 14}, high1{1, 9, 3, 11, 5, 13, 7, 15};
+  constexpr I low2{0, 1, 8, 9, 4, 5, 12, 13}, high2{2, 3, 10, 11, 6, 7, 14, 15};
+  constexpr I low4{0, 1, 2, 3, 8, 9, 10, 11}, high4{4, 5, 6, 7, 12, 13, 14, 15};
+  V a[8], b[8];
+  for (int k = 0; k < 8; k += 2) {
+    a[k] = __builtin_shuffle(r[k], r[k + 1], low1);
+    a[k + 1] = __builtin_shuffle(r[k], r[k + 1], high1);
+  }
+  for (int k = 0; k < 8; k += 4)
+    for (int m = 0; m < 2; ++m) {
+      b[k + m] = __builtin_shuffle(a[k + m], a[k + m + 2], low2);
+      b[k + m + 2] = __builtin_shuffle(a[k + m], a[k + m + 2], high2);
+    }
+  for (int k = 0; k < 4; ++k) {
+    r[k] = __builtin_shuffle(b[k], b[k + 4], low4);
+    r[k + 4] = __builtin_shuffle(b[k], b[k + 4], high4);
+  }
+}
+
+}  // namespace simd_detail
+
+inline void load_transposed(const double* const (&rows)[kLanes], Batch (&out)[kLanes]) {
+  simd_detail::V r[8];
+  for (std::size_t k = 0; k < kLanes; ++k) r[k] = simd_detail::load(rows[k]);
+  simd_detail::transpose(r);
+  for (std::size_t k = 0; k < kLanes; ++k) out[k] = r[k];
+}
+
+inline void store_transposed(const Batch (&in)[kLanes], double* const (&rows)[kLanes]) {
+  simd_detail::V r[8];
+  for (std::size_t k = 0; k < kLanes; ++k) r[k] = in[k].v;
+  simd_detail::transpose(r);
+  for (std::size_t k = 0; k < kLanes; ++k) __builtin_memcpy(rows[k], &r[k], sizeof r[k]);
+}
+
+/// A vector whose components are doubles or batches.
+template <class T>
+struct Triple {
+  T x, y, z;
+  friend Triple operator+(const Triple& a, const Triple& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend Triple operator-(const Triple& a, const Triple& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend Triple operator*(T s, const Triple& a) { return {s * a.x, s * a.y, s * a.z}; }
+};
+
+/// s a + b
+template <class T>
+Triple<T> fma(T s, const Triple<T>& a, const Triple<T>& b) {
+  return {fma(s, a.x, b.x), fma(s, a.y, b.y), fma(s, a.z, b.z)};
+}
+template <class T>
+T dot(const Triple<T>& a, const Triple<T>& b) {
+  return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z));
+}
+template <class T>
+Triple<T> cross(const Triple<T>& a, const Triple<T>& b) {
+  return {fma(a.y, b.z, -(a.z * b.y)), fma(a.z, b.x, -(a.x * b.z)), fma(a.x, b.y, -(a.y * b.x))};
+}
+
+}  // namespace cairn

@@ -1,0 +1,76 @@
+#include "motion/drift.h"
+
+#include <cmath>
+
+#include "core/parallel.h"
+
+namespace cairn {
+
+namespace {
+
+struct SineCosine {
+  double sine, cosine;
+};
+
+/// sin and cos; the angles of a step are small, where the series is exact to round-off and far cheaper.
+SineCosine sine_cosine(double x) {
+  const double x2 = x * x;
+  if (x2 > 0.04) return {std::sin(x), std::cos(x)};
+  const double sine =
+      x * (1.0 - x2 / 6 * (1.0 - x2 / 20 * (1.0 - x2 / 42 * (1.0 - x2 / 72 * (1.0 - x2 / 110)))));
+  const double cosine =
+      1.0 - x2 / 2 * (1.0 - x2 / 12 * (1.0 - x2 / 30 * (1.0 - x2 / 56 * (1.0 - x2 / 90 * (1.0 - x2 / 132)))));
+  return {sine, cosine};
+}
+
+/// Free flow of H = p_k^2 / (2 I_k) over dt: body-frame momentum p turns by -angle about axis k, the attitude by
+/// +angle.
+template <int k>
+void turn(Quat& q, Vec3& p, double inertia, double dt) {
+  constexpr int a = (k + 1) % 3, b = (k + 2) % 3;
+  const SineCosine half = sine_cosine(0.5 * dt * p[k] / inertia);
+  const double sine = 2.0 * half.sine * half.cosine, cosine = 1.0 - 2.0 * half.sine * half.sine;
+  const double pa = p[a], pb = p[b];
+  p[a] = cosine * pa + sine * pb;
+  p[b] = cosine * pb - sine * pa;
+  Vec3 axis = Vec3::Zero();
+  axis[k] = half.sine;
+  q = q * Quat(half.cosine, axis.x(), axis.y(), axis.z());
+}
+
+}  // namespace
+
+Quat rotate_free_top(const Quat& attitude, const Vec3& angular_momentum, const Vec3& inertia, double dt) {
+  Quat q = attitude;
+  Vec3 p = q.conjugate() * angular_momentum;
+  turn<0>(q, p, inertia[0], 0.5 * dt);
+  turn<1>(q, p, inertia[1], 0.5 * dt);
+  turn<2>(q, p, inertia[2], dt);
+  turn<1>(q, p, inertia[1], 0.5 * dt);
+  turn<0>(q, p, inertia[0], 0.5 * dt);
+  return q.normalized();
+}
+
+void kick(Bodies& bodies, double dt) {
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    bodies.velocity[b] += (dt / bodies.mass[b]) * bodies.force[b];
+    bodies.spin[b] += dt * bodies.torque[b];
+  });
+}
+
+void drift(Bodies& bodies, double dt, std::vector<Vec3>& spin_mid) {
+  spin_mid.resize(bodies.size());
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    bodies.position[b] += dt * bodies.velocity[b];
+    if (bodies.sphere_count(b) == 1) {  // the attitude of a loose sphere moves nothing
+      spin_mid[b] = bodies.spin[b].cwiseQuotient(bodies.inertia[b]);
+      return;
+    }
+    const Vec3 before = angular_velocity(bodies, b);
+    bodies.orientation[b] =
+        rotate_free_top(bodies.orientation[b], bodies.spin[b], bodies.inertia[b], dt);
+    spin_mid[b] = 0.5 * (before + angular_velocity(bodies, b));
+  });
+}
+
+}  // namespace cairn

@@ -1,0 +1,22 @@
+// Kick and drift of rigid bodies: second-order leapfrog; the attitude by a symmetric splitting of the free top
+// [Dullweber, Leimkuhler & McLachlan 1997, J. Chem. Phys. 107, 5840]. The angular momentum in space is carried
+// and is exact in free flight.
+#pragma once
+
+#include <vector>
+
+#include "body/bodies.h"
+
+namespace cairn {
+
+/// Velocity and angular momentum advance by dt (s) under the wrenches held in the bodies.
+void kick(Bodies& bodies, double dt);
+
+/// Positions and attitudes advance by dt (s) at constant momenta. `spin_mid` receives the mean of the angular
+/// velocities before and after (rad/s), second-order accurate for mid-step.
+void drift(Bodies& bodies, double dt, std::vector<Vec3>& spin_mid);
+
+/// Attitude of a free top with principal moments `inertia` after dt: rotations about axes 1, 2, 3, 2, 1.
+Quat rotate_free_top(const Quat& attitude, const Vec3& angular_momentum, const Vec3& inertia, double dt);
+
+}  // namespace cairn

@@ -1,0 +1,61 @@
+#include "pile/assemble.h"
+
+#include <algorithm>
+
+#include "pile/cloud.h"
+#include "shape/library.h"
+
+namespace cairn {
+
+namespace {
+
+/// Shapes by name, each loaded once.
+class Shapes {
+ public:
+  explicit Shapes(const Scene& scene) : scene_(scene) {}
+
+  std::uint32_t index(const std::string& name) {
+    const auto it = std::find(names_.begin(), names_.end(), name);
+    if (it != names_.end()) return static_cast<std::uint32_t>(it - names_.begin());
+    loaded_.push_back(make_rigid(load_shape(name, scene_.directory), scene_.mass_model));
+    names_.push_back(name);
+    return static_cast<std::uint32_t>(names_.size() - 1);
+  }
+  const std::vector<RigidShape>& all() const { return loaded_; }
+  const std::vector<std::string>& names() const { return names_; }
+
+ private:
+  const Scene& scene_;
+  std::vector<std::string> names_;
+  std::vector<RigidShape> loaded_;
+};
+
+std::uint16_t material_index(const Scene& scene, const std::string& name) {
+  const auto it =
+      std::find_if(scene.materials.begin(), scene.materials.end(), [&](const Material& m) { return m.name == name; });
+  return static_cast<std::uint16_t>(it - scene.materials.begin());
+}
+
+}  // namespace
+
+Setup assemble(const Scene& scene) {
+  Setup setup;
+  Shapes shapes(scene);
+  std::uint64_t stream = 0;
+  for (const CloudSpec& cloud : scene.clouds) {
+    std::vector<std::uint32_t> index;
+    for (const ShapeChoice& choice : cloud.shapes) index.push_back(shapes.index(choice.shape));
+    add_cloud(cloud, shapes.all(), index, material_index(scene, cloud.material), scene.seed, stream++, setup.bodies);
+  }
+  for (const BodySpec& body : scene.bodies) {
+    const std::uint32_t index = shapes.index(body.shape);
+    add_body(setup.bodies, shapes.all()[index], index, body.size, body.density, material_index(scene, body.material),
+             {body.position, body.orientation, body.velocity, body.angular_velocity});
+  }
+  setup.shapes = shapes.names();
+  for (const PlaneSpec& plane : scene.planes)
+    setup.planes.push_back({plane.point, plane.normal, static_cast<std::uint16_t>(setup.planes.size())});
+  return setup;
+}
+
+}  // namespace cairn

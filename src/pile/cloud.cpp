@@ -1,0 +1,145 @@
+#include "pile/cloud.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <unordered_map>
+
+#include "core/error.h"
+#include "core/random.h"
+
+namespace cairn {
+
+namespace {
+
+/// Bounding spheres already placed, in cells as wide as the largest of them.
+class Occupied {
+ public:
+  explicit Occupied(double cell) : cell_(cell) {}
+
+  bool overlaps(const Vec3& x, double radius) const {
+    const auto [i, j, k] = index(x);
+    for (std::int64_t a = i - 1; a <= i + 1; ++a)
+      for (std::int64_t b = j - 1; b <= j + 1; ++b)
+        for (std::int64_t c = k - 1; c <= k + 1; ++c)
+          if (const auto it = cells_.find(key(a, b, c)); it != cells_.end())
+            for (const auto& [center, r] : it->second)
+              if ((center - x).squaredNorm() < (r + radius) * (r + radius)) return true;
+    return false;
+  }
+
+  void insert(const Vec3& x, double radius) {
+    const auto [i, j, k] = index(x);
+    cells_[key(i, j, k)].emplace_back(x, radius);
+  }
+
+ private:
+  std::array<std::int64_t, 3> index(const Vec3& x) const {
+    return {static_cast<std::int64_t>(std::floor(x.x() / cell_)), static_cast<std::int64_t>(std::floor(x.y() / cell_)),
+            static_cast<std::int64_t>(std::floor(x.z() / cell_))};
+  }
+  static std::int64_t key(std::int64_t i, std::int64_t j, std::int64_t k) {
+    return ((i + (1 << 20)) << 42) | ((j + (1 << 20)) << 21) | (k + (1 << 20));
+  }
+
+  double cell_;
+  std::unordered_map<std::int64_t, std::vector<std::pair<Vec3, double>>> cells_;
+};
+
+/// Bodies of each shape: weights times count, rounded so that they add up (largest remainders first).
+std::vector<std::int64_t> shape_counts(const CloudSpec& cloud) {
+  const std::size_t n = cloud.shapes.size();
+  double total = 0.0;
+  for (const ShapeChoice& s : cloud.shapes) total += s.weight;
+  std::vector<std::int64_t> counts(n);
+  std::vector<double> remainder(n);
+  std::int64_t placed = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double share = static_cast<double>(cloud.count) * cloud.shapes[k].weight / total;
+    counts[k] = static_cast<std::int64_t>(std::floor(share));
+    remainder[k] = share - std::floor(share);
+    placed += counts[k];
+  }
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return remainder[a] > remainder[b]; });
+  for (std::size_t k = 0; placed < cloud.count; k = (k + 1) % n, ++placed) ++counts[order[k]];
+  return counts;
+}
+
+/// Interleaves the bits of a point of the unit cube: near points get near numbers.
+std::uint64_t morton(const Vec3& unit) {
+  std::uint64_t code = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto cell = static_cast<std::uint64_t>(std::clamp(unit[axis], 0.0, 0x1.ffffp-1) * 0x1p20);
+    for (int bit = 0; bit < 20; ++bit) code |= ((cell >> bit) & 1) << (3 * bit + axis);
+  }
+  return code;
+}
+
+}  // namespace
+
+double draw_size(const CloudSpec& cloud, double u) {
+  const double low = cloud.size, high = cloud.size_max;
+  switch (cloud.distribution) {
+    case SizeDistribution::single: return low;
+    case SizeDistribution::uniform: return low + (high - low) * u;
+    case SizeDistribution::power_law: break;
+  }
+  const double p = 1.0 - cloud.exponent;  // the cumulative number goes as size^p
+  if (std::abs(p) < 1e-12) return low * std::pow(high / low, u);
+  const double a = std::pow(low, p), b = std::pow(high, p);
+  return std::pow(a + (b - a) * u, 1.0 / p);
+}
+
+void add_cloud(const CloudSpec& cloud, const std::vector<RigidShape>& shapes,
+               const std::vector<std::uint32_t>& shape_index, std::uint16_t material, std::uint64_t seed,
+               std::uint64_t stream, Bodies& bodies) {
+  struct Grain {
+    std::uint32_t shape;
+    double size, radius;
+    Vec3 position;
+    Quat orientation;
+  };
+  Random random(seed, stream);
+  std::vector<Grain> grains;
+  const std::vector<std::int64_t> counts = shape_counts(cloud);
+  double volume = 0.0, largest = 0.0;
+  for (std::size_t k = 0; k < counts.size(); ++k)
+    for (std::int64_t c = 0; c < counts[k]; ++c) {
+      const double size = draw_size(cloud, random.uniform());
+      const double radius = size * shapes[shape_index[k]].bounding_radius;
+      grains.push_back({shape_index[k], size, radius, Vec3::Zero(), random.rotation()});
+      volume += radius * radius * radius;
+      largest = std::max(largest, radius);
+    }
+
+  // Largest first: they need the widest gaps.
+  std::stable_sort(grains.begin(), grains.end(), [](auto& a, auto& b) { return a.radius > b.radius; });
+  const double ball = std::max(std::cbrt(volume / cloud.filling), largest);
+  Occupied occupied(2.0 * largest);
+  for (Grain& g : grains) {
+    constexpr int tries = 10000;
+    int t = 0;
+    do g.position = (ball - g.radius) * random.in_ball();
+    while (occupied.overlaps(g.position, g.radius) && ++t < tries);
+    if (t == tries)
+      throw InputError("cloud of {} bodies: no room after {} tries for a body of size {:g} m; lower 'filling' ({:g})",
+                       cloud.count, tries, g.size, cloud.filling);
+    occupied.insert(g.position, g.radius);
+  }
+
+  const auto code = [&](const Grain& g) {
+    return morton((0.5 / ball) * (g.position + Vec3::Constant(ball)));
+  };
+  std::stable_sort(grains.begin(), grains.end(), [&](auto& a, auto& b) { return code(a) < code(b); });
+  const Vec3 spin = cloud.spin_period > 0.0 ? Vec3(0.0, 0.0, 2.0 * kPi / cloud.spin_period) : Vec3::Zero();
+  for (const Grain& g : grains)
+    add_body(bodies, shapes[g.shape], g.shape, g.size, cloud.density, material,
+             {.position = cloud.position + g.position,
+              .orientation = g.orientation,
+              .velocity = cloud.velocity + spin.cross(g.position),
+              .angular_velocity = spin});
+}
+
+}  // namespace cairn

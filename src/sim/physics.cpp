@@ -1,0 +1,173 @@
+#include "sim/physics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/stiffness.h"
+#include "core/error.h"
+
+namespace cairn {
+
+namespace {
+
+/// Largest speed (m/s) at which two bodies meet at the start, were they to meet.
+double closing_speed(const Bodies& bodies) {
+  Vec3 momentum = Vec3::Zero();
+  double mass = 0.0;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    momentum += bodies.mass[b] * bodies.velocity[b];
+    mass += bodies.mass[b];
+  }
+  const Vec3 drift = momentum / mass;
+  double first = 0.0, second = 0.0;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    double reach = 0.0;
+    for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s)
+      reach = std::max(reach, bodies.spheres.offset[s].norm() + bodies.spheres.radius[s]);
+    const double speed = (bodies.velocity[b] - drift).norm() + reach * angular_velocity(bodies, b).norm();
+    if (speed > first) {
+      second = first;
+      first = speed;
+    } else {
+      second = std::max(second, speed);
+    }
+  }
+  return first + second;
+}
+
+/// Greatest height (m) of a body above the lowest one along the field.
+double drop_height(const Bodies& bodies, const std::vector<PlaneSpec>& planes, const Vec3& field) {
+  double low = 1e300, high = -1e300;
+  for (const Vec3& x : bodies.position) {
+    const double h = -x.dot(field) / field.norm();
+    low = std::min(low, h);
+    high = std::max(high, h);
+    for (const PlaneSpec& p : planes) low = std::min(low, h - std::abs((x - p.point).dot(p.normal)));
+  }
+  return high - low;
+}
+
+double default_impact_speed(const Scene& scene, const Bodies& bodies) {
+  double speed = closing_speed(bodies);
+  if (scene.gravity.method != GravityMethod::none) speed = std::max(speed, escape_speed(bodies));
+  const double field = scene.gravity.field.norm();
+  if (field > 0.0)
+    speed = std::max(speed, std::sqrt(2.0 * field * drop_height(bodies, scene.planes, scene.gravity.field)));
+  return speed;
+}
+
+std::uint64_t whole_steps(double interval, double dt) {
+  return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(interval / dt)));
+}
+
+/// The material of that name; the scene has been checked, so it exists.
+const Material& named(const Scene& scene, const std::string& name) {
+  return *std::find_if(scene.materials.begin(), scene.materials.end(),
+                       [&](const Material& m) { return m.name == name; });
+}
+
+/// Materials of the bodies during the stage: all of the scene, or the one that replaces them.
+std::vector<Material> body_materials(const Scene& scene, const StageSpec& stage) {
+  return stage.material.empty() ? scene.materials : std::vector<Material>{named(scene, stage.material)};
+}
+
+std::vector<Material> plane_materials(const Scene& scene) {
+  std::vector<Material> out;
+  for (const PlaneSpec& plane : scene.planes) out.push_back(named(scene, plane.material));
+  return out;
+}
+
+}  // namespace
+
+double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies) {
+  const StageSpec& stage = scene.stages[index];
+  if (stage.stiffness) return *stage.stiffness;
+  if (scene.contact.stiffness) return *scene.contact.stiffness;
+  ContactDemand demand{.max_overlap = scene.contact.max_overlap,
+                       .impact_speed = stage.impact_speed.value_or(default_impact_speed(scene, bodies)),
+                       .field = scene.gravity.field.norm(),
+                       .self_gravity = scene.gravity.method != GravityMethod::none,
+                       .cohesion = 0.0,
+                       .shape_factor = 0.0};
+  for (const Material& m : body_materials(scene, stage)) {
+    demand.cohesion = std::max(demand.cohesion, m.cohesion);
+    demand.shape_factor = std::max(demand.shape_factor, m.shape_factor);
+  }
+  const double k_n = choose_stiffness(bodies, demand);
+  if (!(k_n > 0.0))
+    throw InputError("stage '{}': nothing loads the contacts, so no stiffness can be chosen; give contact.stiffness",
+                     stage.name);
+  return k_n;
+}
+
+Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bodies, double k_n) {
+  const StageSpec& stage = scene.stages[index];
+  const ContactSpec& contact = scene.contact;
+  Physics p;
+
+  p.k_n = k_n;
+  p.overlap_limit = contact.overlap_limit;
+  p.materials = body_materials(scene, stage);
+  p.plane_materials = plane_materials(scene);
+  p.contacts.material = bodies.material;
+  if (p.materials.size() == 1)
+    std::fill(p.contacts.material.begin(), p.contacts.material.end(), std::uint16_t{0});
+  p.contacts.materials = p.materials.size();
+  for (const Material& a : p.materials)
+    for (const Material& b : p.materials) p.contacts.laws.push_back(make_pair_law(a, b, k_n));
+  std::vector<Material> touching = p.materials;
+  touching.insert(touching.end(), p.plane_materials.begin(), p.plane_materials.end());
+  p.contacts.features = required_features(touching, contact.rolling_slip == RollingSlip::zhang2017);
+  p.contacts.sphere_damping = contact.damping_mass == DampingMass::spheres;
+
+  double shape_factor = 0.0;
+  for (const Material& m : touching) shape_factor = std::max(shape_factor, m.shape_factor);
+  p.contact_time =
+      shortest_contact_time(bodies, k_n, shape_factor, p.contacts.features.rolling, !scene.planes.empty());
+  const std::optional<double> given = stage.time_step ? stage.time_step : contact.time_step;
+  const double longest = kLongestSafeStep * p.contact_time;
+  if (given && *given > longest && !contact.unsafe_time_step)
+    throw InputError(
+        "stage '{}': time_step {:.4g} s is too long; the longest safe one is {:.4g} s ({:.0f} per shortest contact)",
+        stage.name, *given, longest, 1.0 / kLongestSafeStep);
+  const double aim = given ? *given : p.contact_time / contact.steps_per_contact;
+  if (!(stage.duration / aim < 1e15))
+    throw InputError("stage '{}': {:.3g} steps of {:.3g} s are more than a run can make", stage.name,
+                     stage.duration / aim, aim);
+  // Whole steps that end exactly with the stage.
+  p.steps = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::ceil(stage.duration / aim * (1.0 - 1e-12))));
+  const double dt = stage.duration / static_cast<double>(p.steps);
+  p.contacts.dt = dt;
+
+  p.gravity = scene.gravity.method;
+  p.opening_angle = scene.gravity.opening_angle;
+  p.gravity_interval = static_cast<std::uint64_t>(scene.gravity.interval);
+  p.field = scene.gravity.field;
+  p.spin = stage.spin;
+  if (stage.spin && stage.spin->control_interval > 0.0) p.control_steps = whole_steps(stage.spin->control_interval, dt);
+  const double series = scene.output.series_interval > 0.0 ? scene.output.series_interval : 1e-3 * stage.duration;
+  p.series_steps = whole_steps(series, dt);
+  if (scene.output.snapshot_interval > 0.0) p.snapshot_steps = whole_steps(scene.output.snapshot_interval, dt);
+  return p;
+}
+
+std::string describe_models(const Physics& physics, const Bodies& bodies, bool walls) {
+  const Features& f = physics.contacts.features;
+  std::string text = bodies.size() == bodies.spheres.size() ? "loose spheres" : "aggregates";
+  text += "; normal";
+  if (f.tangential) text += " + tangential";
+  if (f.rolling) text += " + rolling";
+  if (f.twisting) text += " + twisting";
+  if (f.cohesion) text += " + cohesion";
+  if (f.rolling_slip) text += " (rolling slip of Zhang 2017)";
+  if (walls) text += "; walls";
+  if (physics.gravity == GravityMethod::direct) text += "; direct gravity";
+  if (physics.gravity == GravityMethod::tree) text += fmt::format("; tree gravity, opening {:g}", physics.opening_angle);
+  if (physics.gravity != GravityMethod::none && physics.gravity_interval > 1)
+    text += fmt::format(", renewed every {} steps", physics.gravity_interval);
+  if (physics.field != Vec3::Zero()) text += "; uniform field";
+  if (physics.spin) text += "; spin control";
+  return text;
+}
+
+}  // namespace cairn

@@ -1,0 +1,42 @@
+// What one stage of a scene requires, resolved: models, stiffness, time step. Absent models cost nothing.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "contact/sweep.h"
+#include "io/scene.h"
+#include "sim/state.h"
+
+namespace cairn {
+
+struct Physics {
+  SweepSettings contacts;               ///< with the time step of the stage
+  std::vector<Material> materials;      ///< of the bodies; settings.material indexes these
+  std::vector<Material> plane_materials;  ///< of each plane
+  double k_n = 0.0;                     ///< N/m
+  double contact_time = 0.0;            ///< s, shortest any contact can last
+  double overlap_limit = 0.1;
+  std::uint64_t steps = 0;              ///< of the stage
+  GravityMethod gravity = GravityMethod::none;
+  double opening_angle = 0.5;
+  std::uint64_t gravity_interval = 1;   ///< steps
+  Vec3 field = Vec3::Zero();            ///< m/s^2
+  std::optional<SpinSpec> spin;
+  std::uint64_t control_steps = 1;      ///< steps between spin corrections
+  std::uint64_t series_steps = 1;       ///< steps between rows of the series, and between checks for failure
+  std::uint64_t snapshot_steps = 0;     ///< 0: only at the end of the stage
+};
+
+/// Normal stiffness (N/m) of stage `index`: given by the scene, or chosen for the bodies as they are now.
+/// @throws InputError when nothing loads the contacts and none is given.
+double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies);
+
+/// Resolves stage `index` of the scene for these bodies at stiffness k_n; does not depend on their motion.
+/// @throws InputError when the time step is longer than the longest safe one.
+Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bodies, double k_n);
+
+/// A short list of the models in the step, e.g. "tangential + rolling + twisting + cohesion, tree gravity".
+std::string describe_models(const Physics& physics, const Bodies& bodies, bool walls);
+
+}  // namespace cairn

@@ -1,0 +1,61 @@
+// The persistent state of a run: all that a checkpoint holds, and nothing that can be rebuilt from it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "body/bodies.h"
+#include "contact/history.h"
+#include "contact/walls.h"
+#include "gravity/renewal.h"
+
+namespace cairn {
+
+/// Where the run is. Time is counted in whole steps from the start of the stage, so it does not drift.
+struct Clock {
+  std::uint64_t stage = 0;
+  std::uint64_t step = 0;         ///< steps done in this stage
+  std::uint64_t steps = 0;        ///< steps of this stage; 0 before it has begun
+  std::uint64_t total_steps = 0;  ///< steps done in all stages
+  double stage_start = 0.0;       ///< s
+  double dt = 0.0;                ///< s
+
+  double time() const { return stage_start + static_cast<double>(step) * dt; }
+  double stage_time() const { return static_cast<double>(step) * dt; }
+};
+
+/// Spin control of the stage.
+struct Control {
+  bool active = false;
+  bool failed = false;
+  double failure_time = 0.0;     ///< s
+  double failure_period = 0.0;   ///< s
+  double shortest_period = 0.0;  ///< s, held under control so far in the run; 0: none
+  double start_ratio = 0.0;      ///< c/a when control began
+};
+
+/// Running totals.
+struct Ledger {
+  double dissipated = 0.0;                    ///< J, lost in contacts
+  double control_work = 0.0;                  ///< J, done by spin control
+  Vec3 control_momentum = Vec3::Zero();       ///< kg m^2/s, angular momentum given by spin control
+  double largest_overlap = 0.0;               ///< over the smaller radius of its pair, of the whole run
+  double recent_overlap = 0.0;                ///< the same since the last row of the series
+  Vec3 start_momentum = Vec3::Zero();         ///< kg m/s, total at the start
+  Vec3 start_angular_momentum = Vec3::Zero(); ///< kg m^2/s, total about the mass centre at the start
+};
+
+struct State {
+  Bodies bodies;
+  ContactList contacts;
+  Walls walls;
+  gravity::HeldGravity gravity;
+  Clock clock;
+  Control control;
+  Ledger ledger;
+  double k_n = 0.0;                    ///< N/m, normal stiffness of the stage
+  std::vector<std::uint8_t> remnant;   ///< of each body: 1 when part of the largest remnant
+  bool finished = false;
+};
+
+}  // namespace cairn

@@ -1,0 +1,183 @@
+#include "sim/step.h"
+
+#include <algorithm>
+
+#include "analysis/spin_state.h"
+#include "core/error.h"
+#include "core/parallel.h"
+#include "core/timer.h"
+#include "motion/drift.h"
+#include "motion/spin.h"
+
+namespace cairn {
+
+namespace {
+
+double& time_of(Scratch& scratch, Phase phase) { return scratch.times[static_cast<std::size_t>(phase)]; }
+
+gravity::Points points_of(const Bodies& bodies) {
+  return {bodies.spheres.position, bodies.spheres.mass, bodies.first_sphere};
+}
+
+/// Makes the list of candidate pairs good for the present positions.
+void refresh_neighbours(const Physics& physics, State& state, Scratch& scratch) {
+  ++scratch.list_age;
+  if (!scratch.candidates.expired(state.bodies, state.clock.time())) return;
+  scratch.candidates.adapt_skin(scratch.list_age);
+  scratch.list_age = 0;
+  scratch.candidates.rebuild(state.bodies, rigid_motion(state.bodies, state.clock.time()), physics.contacts.features,
+                             state.contacts);
+}
+
+void check_overlap(const Physics& physics, const State& state, double overlap) {
+  if (overlap <= physics.overlap_limit) return;
+  const Pair pair = deepest_pair(state.bodies, state.contacts);
+  const auto& body = state.bodies.spheres.body;
+  const std::string who = pair.i == pair.j ? std::string("a sphere and a wall")
+                                           : fmt::format("spheres {} and {} of bodies {} and {}", pair.i, pair.j,
+                                                         body[pair.i], body[pair.j]);
+  if (state.clock.total_steps == 0)
+    throw InputError("{} overlap at the start by {:.3g} of the smaller radius; contact.overlap_limit is {:g}", who,
+                     overlap, physics.overlap_limit);
+  throw UnstableError(
+      "t = {:.6g} s: {} overlap by {:.3g} of the smaller radius (contact.overlap_limit = {:g}): raise the stiffness "
+      "(contact.stiffness, or stage.impact_speed for the automatic one) or shorten the time step",
+      state.clock.time(), who, overlap, physics.overlap_limit);
+}
+
+void evaluate_contacts(const Physics& physics, const SweepSettings& settings, State& state, Scratch& scratch) {
+  SweepReport report = sweep(state.bodies, scratch.motions, settings, state.contacts);
+  std::fill(state.bodies.force.begin(), state.bodies.force.end(), Vec3::Zero());
+  std::fill(state.bodies.torque.begin(), state.bodies.torque.end(), Vec3::Zero());
+  gather_wrenches(state.contacts, state.bodies);
+  if (!state.walls.planes.empty()) {
+    const SweepReport walls = state.walls.sweep(scratch.motions, settings, state.bodies);
+    report.dissipated += walls.dissipated;
+    report.overlap_ratio = std::max(report.overlap_ratio, walls.overlap_ratio);
+  }
+  state.ledger.dissipated += report.dissipated;
+  state.ledger.recent_overlap = std::max(state.ledger.recent_overlap, report.overlap_ratio);
+  state.ledger.largest_overlap = std::max(state.ledger.largest_overlap, report.overlap_ratio);
+  check_overlap(physics, state, report.overlap_ratio);
+}
+
+/// Forces and torques of self-gravity, evaluated every few steps and turned with the pile between.
+void evaluate_gravity(const Physics& physics, State& state, Scratch& scratch) {
+  Bodies& bodies = state.bodies;
+  if (physics.gravity != GravityMethod::none) {
+    const double time = state.clock.time();
+    if (state.clock.step % physics.gravity_interval == 0) {
+      scratch.acceleration.resize(bodies.spheres.size());
+      if (physics.gravity == GravityMethod::direct)
+        scratch.direct.evaluate(points_of(bodies), scratch.acceleration);
+      else
+        scratch.tree.evaluate(points_of(bodies), physics.opening_angle, scratch.acceleration);
+      gravity::renew(state.gravity, points_of(bodies), scratch.acceleration, bodies.position, time,
+                     rigid_motion(bodies, time).spin);
+    }
+    gravity::add_held(state.gravity, time, bodies.position, bodies.mass, bodies.force, bodies.torque);
+  }
+  if (physics.field != Vec3::Zero())
+    parallel_for(bodies.size(), [&](std::size_t b) { bodies.force[b] += bodies.mass[b] * physics.field; });
+}
+
+void control_spin(const Physics& physics, State& state) {
+  if (!state.control.active || state.clock.step % physics.control_steps != 0) return;
+  const double period = period_at(physics.spin->path, state.clock.stage_time());
+  const SpinCorrection done = impose_period(state.bodies, state.remnant, period);
+  state.ledger.control_momentum += done.momentum;
+  state.ledger.control_work += done.work;
+  Control& control = state.control;
+  control.shortest_period = control.shortest_period == 0.0 ? period : std::min(control.shortest_period, period);
+}
+
+}  // namespace
+
+void prepare_scratch(const Physics& physics, State& state, Scratch& scratch) {
+  state.walls.set_laws(physics.materials, physics.plane_materials, physics.k_n);
+  scratch.candidates.rebuild(state.bodies, rigid_motion(state.bodies, state.clock.time()), physics.contacts.features,
+                             state.contacts);
+  scratch.list_age = 0;
+}
+
+void begin_stage(const Physics& physics, State& state, Scratch& scratch) {
+  Bodies& bodies = state.bodies;
+  place_spheres(bodies);
+  // Springs keep their forces: their lengths scale with the inverse of the stiffness.
+  const double ratio = state.k_n > 0.0 ? state.k_n / physics.k_n : 1.0;
+  const auto rescaled = [ratio](std::vector<ContactRecord> records) {
+    for (ContactRecord& r : records) {
+      r.memory.slide = ratio * r.memory.slide;
+      r.memory.roll = ratio * r.memory.roll;
+      r.memory.twist *= ratio;
+    }
+    return records;
+  };
+  const std::vector<ContactRecord> contacts = rescaled(state.contacts.records());
+  const std::vector<ContactRecord> walls = rescaled(state.walls.records());
+  state.contacts = ContactList{};
+  prepare_scratch(physics, state, scratch);
+  state.contacts.restore(contacts);
+  for (std::size_t slot = 0; slot < state.contacts.slots(); ++slot)
+    if (state.contacts.touching(slot)) set_damping(bodies, physics.contacts, state.contacts, slot);
+  state.walls.restore(walls);
+  for (const ContactRecord& r : walls) state.walls.set_damping(bodies, physics.contacts, r.j, r.i);
+  state.k_n = physics.k_n;
+
+  // A sweep of no duration: no spring grows, dashpots see the present velocities.
+  SweepSettings still = physics.contacts;
+  still.dt = 0.0;
+  scratch.spin_mid.resize(bodies.size());
+  parallel_for(bodies.size(), [&](std::size_t b) { scratch.spin_mid[b] = angular_velocity(bodies, b); });
+  compute_motions(bodies, scratch.spin_mid, 0.0, scratch.motions);
+  evaluate_contacts(physics, still, state, scratch);
+  evaluate_gravity(physics, state, scratch);
+}
+
+void step(const Physics& physics, State& state, Scratch& scratch) {
+  const double dt = physics.contacts.dt;
+  Bodies& bodies = state.bodies;
+  {
+    ScopedTimer timer(time_of(scratch, Phase::motion));
+    kick(bodies, 0.5 * dt);
+    drift(bodies, dt, scratch.spin_mid);
+    ++state.clock.step;
+    ++state.clock.total_steps;
+    place_spheres(bodies);
+  }
+  {
+    ScopedTimer timer(time_of(scratch, Phase::search));
+    refresh_neighbours(physics, state, scratch);
+  }
+  {
+    ScopedTimer timer(time_of(scratch, Phase::contacts));
+    compute_motions(bodies, scratch.spin_mid, dt, scratch.motions);
+    evaluate_contacts(physics, physics.contacts, state, scratch);
+  }
+  {
+    ScopedTimer timer(time_of(scratch, Phase::gravity));
+    evaluate_gravity(physics, state, scratch);
+  }
+  {
+    ScopedTimer timer(time_of(scratch, Phase::motion));
+    kick(bodies, 0.5 * dt);
+  }
+  if (physics.spin) {
+    ScopedTimer timer(time_of(scratch, Phase::control));
+    control_spin(physics, state);
+  }
+}
+
+double gravitational_energy(const Physics& physics, const Bodies& bodies, Scratch& scratch) {
+  if (physics.gravity == GravityMethod::none) return 0.0;
+  const std::size_t n = bodies.spheres.size();
+  std::vector<double> potential(n);
+  scratch.acceleration.resize(n);
+  if (physics.gravity == GravityMethod::direct)
+    scratch.direct.evaluate(points_of(bodies), scratch.acceleration, potential);
+  else
+    scratch.tree.evaluate(points_of(bodies), physics.opening_angle, scratch.acceleration, potential);
+  return 0.5 * parallel_sum(n, 0.0, [&](std::size_t s) { return bodies.spheres.mass[s] * potential[s]; });
+}
+
+}  // namespace cairn

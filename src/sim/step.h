@@ -1,0 +1,49 @@
+// One step: kick, drift, neighbours, contacts, gravity, kick, control.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "contact/candidates.h"
+#include "gravity/direct.h"
+#include "gravity/tree_sum.h"
+#include "sim/physics.h"
+#include "sim/state.h"
+
+namespace cairn {
+
+enum class Phase { motion, search, contacts, gravity, control, output };
+inline constexpr std::array<std::string_view, 6> kPhaseNames{"motion",  "search",  "contacts",
+                                                             "gravity", "control", "output"};
+
+/// Wall-clock seconds by phase.
+using PhaseTimes = std::array<double, kPhaseNames.size()>;
+
+/// What is made afresh whenever needed: throwing it away at any step changes no bit of the result.
+struct Scratch {
+  Candidates candidates;
+  std::uint64_t list_age = 0;  ///< steps since the candidates were found
+  std::vector<SphereMotion> motions;
+  std::vector<Vec3> spin_mid;
+  gravity::DirectSum direct;
+  gravity::TreeSum tree;
+  std::vector<Vec3> acceleration;
+  PhaseTimes times{};
+};
+
+/// Prepares a stage: contacts take the stage's stiffness and materials (springs keep their forces), wrenches are
+/// evaluated at the present poses and velocities.
+/// @throws InputError when bodies overlap beyond the bound before the first step.
+void begin_stage(const Physics& physics, State& state, Scratch& scratch);
+
+/// Restores what a checkpoint does not hold, without changing the state.
+void prepare_scratch(const Physics& physics, State& state, Scratch& scratch);
+
+/// Advances the state by one step.
+/// @throws UnstableError when an overlap passes the bound or a position is not finite.
+void step(const Physics& physics, State& state, Scratch& scratch);
+
+/// Gravitational energy of the spheres of different bodies (J), by the method of the stage.
+double gravitational_energy(const Physics& physics, const Bodies& bodies, Scratch& scratch);
+
+}  // namespace cairn
