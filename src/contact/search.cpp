@@ -4,106 +4,38 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <utility>
 
+#include "contact/search_batch.h"
+#include "contact/search_level.h"
 #include "core/error.h"
 #include "core/parallel.h"
 
 namespace cairn {
+
 namespace {
 
+using search::Candidates, search::Cell, search::Entry, search::Found, search::Keyed, search::Level;
+using search::kMaxBits;
+
 constexpr std::size_t kLevels = 32;
-constexpr std::size_t kBlock = 1024;  // entries searched as one piece of parallel work
-constexpr std::uint64_t kNoKey = ~std::uint64_t{0};
-// Cell coordinates wrap round beyond 2^21, so that three of them fit one key. Far-apart cells that share a
-// key cost a few vain distance tests and nothing else.
-constexpr int kMaxBits = 21;
-
-using Cell = std::array<std::int64_t, 3>;
-
-struct Keyed {
-  std::uint64_t key;  // of the cell
-  std::uint32_t id;
-};
-
-struct Entry {
-  Vec3 position;
-  double radius;
-  std::uint32_t id, body;
-};
-
-// One level of the hierarchy: spheres sorted by cell with z fastest, and a hash table of the occupied rows
-// (the cells of one x and y).
-struct Level {
-  struct Row {
-    std::uint64_t key = kNoKey;
-    std::size_t begin = 0, end = 0;  // entries
-  };
-
-  double extent = 0.0;  // m, largest r + gap / 2
-  double cells_per_metre = 0.0;
-  Vec3 low, high;                  // m, box of the centres
-  Cell origin{}, span{};           // lowest cell, and the highest relative to it
-  std::array<int, 3> bits{};       // of a wrapped coordinate
-  std::size_t begin = 0, end = 0;  // entries
-  std::vector<Row> table;
-  int shift = 0;
-
-  bool empty() const { return begin == end; }
-
-  // Monotone in x, even where it saturates and where x itself is coarser than a cell: whatever lies between
-  // two bounds lies in the cells between theirs.
-  std::int64_t index(double x) const {
-    constexpr double far = 0x1p60;
-    return static_cast<std::int64_t>(std::clamp(std::floor(x * cells_per_metre), -far, far));
-  }
-  Cell cell(const Vec3& x) const {
-    return {index(x[0]) - origin[0], index(x[1]) - origin[1], index(x[2]) - origin[2]};
-  }
-  std::uint64_t wrapped(std::int64_t coordinate, int axis) const {
-    return static_cast<std::uint64_t>(coordinate) & ((std::uint64_t{1} << bits[axis]) - 1);
-  }
-  std::uint64_t row_key(std::int64_t x, std::int64_t y) const {
-    return (wrapped(x, 0) << bits[1]) | wrapped(y, 1);
-  }
-
-  // The row of this key, or the free place where it belongs.
-  std::size_t find(std::uint64_t key) const {
-    auto place = static_cast<std::size_t>((key * 0x9E3779B97F4A7C15u) >> shift);  // Fibonacci hashing
-    while (table[place].key != key && table[place].key != kNoKey) place = (place + 1) & (table.size() - 1);
-    return place;
-  }
-};
-
-// Stable radix sort, so that a cell lists its spheres by id.
-void sort_by_key(std::span<Keyed> order, std::span<Keyed> spare, int bits) {
-  constexpr int digit_bits = 11;
-  std::span<Keyed> from = order, to = spare;
-  for (int low = 0; low < bits; low += digit_bits) {
-    const auto digit = [&](const Keyed& k) { return (k.key >> low) & ((1u << digit_bits) - 1); };
-    std::array<std::size_t, 1u << digit_bits> next{};
-    for (const Keyed& k : from) ++next[digit(k)];
-    std::size_t sum = 0;
-    for (std::size_t& n : next) sum += std::exchange(n, sum);
-    for (const Keyed& k : from) to[next[digit(k)]++] = k;
-    std::swap(from, to);
-  }
-  if (from.data() != order.data()) std::copy(from.begin(), from.end(), order.begin());
-}
-
+constexpr int kLevelOctaves = 2;  // powers of two of size in a level; with one the many look-ups cost more
+constexpr std::size_t kBlock = 1024;      // entries searched as one piece of parallel work
+constexpr std::size_t kGroup = 8;         // entries searched for together, at most,
+constexpr std::uint32_t kGroupCells = 3;  // and how far apart they may be
 }  // namespace
 
 struct NeighbourSearch::Grids {
-  // A row last looked into, and where: the next sphere looks nearby.
+  // A row last looked into, and where: the next group looks nearby.
   struct Cursor {
     std::int64_t x = -1, y = -1;
     Level::Row row;
     std::size_t at = 0;  // entry
   };
+  using Cursors = std::array<Cursor, 16>;
   struct Block {
-    std::array<std::array<Cursor, 16>, kLevels> cursors;
-    std::vector<std::uint64_t> found;  // i << 32 | j
-    std::size_t count = 0;
+    std::array<Cursors, kLevels> cursors;
+    Candidates candidates;
+    Found found;
   };
 
   std::array<Level, kLevels> levels;  // coarsest first
@@ -117,13 +49,13 @@ struct NeighbourSearch::Grids {
   void sort_into_levels(std::span<const Vec3> positions, std::span<const double> radii, double gap);
   void sort_into_cells(Level& level, std::span<const Vec3> positions);
   void find_rows(Level& level);
-  Cursor& cursor(const Level& level, std::array<Cursor, 16>& cursors, std::int64_t x, std::int64_t y) const;
-  void seek(Cursor& cursor, std::uint32_t z_low) const;
+  Cursor& cursor(const Level& level, Cursors& cursors, std::int64_t x, std::int64_t y) const;
+  void seek(Cursor& cursor, std::uint64_t z_low) const;
+  std::size_t group_end(const Level& level, std::size_t begin, std::size_t end) const;
+  void gather(const Level& level, const Cursor& row, std::size_t begin, std::int64_t z_low,
+              std::int64_t z_high, Candidates& candidates) const;
+  void gather(std::size_t own, std::size_t begin, std::size_t end, double gap, Block& block) const;
   void search(std::size_t begin, std::size_t end, double gap, Block& block) const;
-  void search_row(const Level& level, const Entry& sphere, Cursor& row, std::int64_t z_low,
-                  std::int64_t z_high, double gap, Block& block) const;
-  void test(const Entry& sphere, std::size_t begin, std::size_t end, std::uint64_t z_high, double gap,
-            Block& block) const;
   void collect(std::size_t count, std::vector<Pair>& pairs);
 };
 
@@ -138,8 +70,8 @@ void NeighbourSearch::Grids::sort_into_levels(std::span<const Vec3> positions, s
                           positions[i].y(), positions[i].z());
     if (!std::isnormal(radii[i]) || radii[i] < 0.0)
       throw InputError("the radius of sphere {} must be positive and finite, not {}", i, radii[i]);
-    const int octave = std::ilogb(largest / (radii[i] + 0.5 * gap));
-    level_of[i] = static_cast<std::uint8_t>(std::clamp(octave, 0, static_cast<int>(kLevels) - 1));
+    const int level = std::ilogb(largest / (radii[i] + 0.5 * gap)) / kLevelOctaves;
+    level_of[i] = static_cast<std::uint8_t>(std::clamp(level, 0, static_cast<int>(kLevels) - 1));
   });
 
   for (Level& level : levels) {
@@ -184,7 +116,7 @@ void NeighbourSearch::Grids::sort_into_cells(Level& level, std::span<const Vec3>
     const Cell c = level.cell(positions[part[p].id]);
     part[p].key = (level.row_key(c[0], c[1]) << level.bits[2]) | level.wrapped(c[2], 2);
   });
-  sort_by_key(part, std::span(spare).subspan(level.begin, count), bits);
+  search::sort_by_key(part, std::span(spare).subspan(level.begin, count), bits);
   find_rows(level);
 }
 
@@ -206,8 +138,7 @@ void NeighbourSearch::Grids::find_rows(Level& level) {
   }
 }
 
-NeighbourSearch::Grids::Cursor& NeighbourSearch::Grids::cursor(const Level& level,
-                                                               std::array<Cursor, 16>& cursors,
+NeighbourSearch::Grids::Cursor& NeighbourSearch::Grids::cursor(const Level& level, Cursors& cursors,
                                                                std::int64_t x, std::int64_t y) const {
   Cursor& c = cursors[static_cast<std::size_t>((x & 3) << 2 | (y & 3))];
   if (c.x != x || c.y != y) {
@@ -218,10 +149,7 @@ NeighbourSearch::Grids::Cursor& NeighbourSearch::Grids::cursor(const Level& leve
 }
 
 // Moves to the first entry of the row at z_low or beyond.
-void NeighbourSearch::Grids::seek(Cursor& c, std::uint32_t z_low) const {
-  const auto settled = [&] {
-    return (c.at == c.row.end || z[c.at] >= z_low) && (c.at == c.row.begin || z[c.at - 1] < z_low);
-  };
+void NeighbourSearch::Grids::seek(Cursor& c, std::uint64_t z_low) const {
   for (int step = 0; step < 8; ++step) {
     if (c.at < c.row.end && z[c.at] < z_low)
       ++c.at;
@@ -230,78 +158,92 @@ void NeighbourSearch::Grids::seek(Cursor& c, std::uint32_t z_low) const {
     else
       return;
   }
-  if (!settled())
-    c.at =
-        static_cast<std::size_t>(std::lower_bound(z.begin() + static_cast<std::ptrdiff_t>(c.row.begin),
-                                                  z.begin() + static_cast<std::ptrdiff_t>(c.row.end), z_low) -
-                                 z.begin());
+  const auto row = std::span(z).subspan(c.row.begin, c.row.end - c.row.begin);
+  c.at =
+      c.row.begin + static_cast<std::size_t>(std::lower_bound(row.begin(), row.end(), z_low) - row.begin());
 }
 
-// Tests the entries from begin on while they lie in cells up to z_high.
-void NeighbourSearch::Grids::test(const Entry& sphere, std::size_t begin, std::size_t end,
-                                  std::uint64_t z_high, double gap, Block& block) const {
-  std::size_t count = block.count;
-  for (std::size_t p = begin; p < end && z[p] <= z_high; ++p) {
-    if (count == block.found.size()) block.found.resize(2 * count + kBlock);
-    const Entry& other = entries[p];
-    const auto [low, high] = std::minmax(sphere.id, other.id);
-    block.found[count] = (std::uint64_t{low} << 32) | high;
-    // No branch: the outcome is a coin toss.
-    count += static_cast<unsigned>(other.body != sphere.body) &
-             static_cast<unsigned>(
-                 closer_than(sphere.position, other.position, (sphere.radius + other.radius) + gap));
+// A group is a few neighbours in one row, in the order of their cells, which share one list of candidates.
+std::size_t NeighbourSearch::Grids::group_end(const Level& level, std::size_t begin, std::size_t end) const {
+  const auto row_key = [&](std::size_t p) { return order[p].key >> level.bits[2]; };
+  // Far-apart spheres may share a wrapped cell: ask for the true distance, too.
+  const auto near = [&](std::size_t p) {
+    return z[p] - z[begin] < kGroupCells &&
+           (entries[p].position - entries[begin].position).cwiseAbs().maxCoeff() * level.cells_per_metre <
+               kGroupCells;
+  };
+  std::size_t p = begin + 1;
+  while (p < end && p < begin + kGroup && row_key(p) == row_key(begin) && near(p)) ++p;
+  return p;
+}
+
+// The entries of a row from `begin` on, in the cells from z_low (where `begin` is) to z_high.
+void NeighbourSearch::Grids::gather(const Level& level, const Cursor& row, std::size_t begin,
+                                    std::int64_t z_low, std::int64_t z_high, Candidates& candidates) const {
+  const std::uint64_t last = level.wrapped(z_high, 2);
+  const bool wraps = last < level.wrapped(z_low, 2);
+  std::size_t end = begin;
+  while (end < row.row.end && (wraps || z[end] <= last)) ++end;
+  candidates.add({entries.data() + begin, end - begin});
+  if (!wraps) return;
+  end = row.row.begin;
+  while (end < row.row.end && z[end] <= last) ++end;
+  candidates.add({entries.data() + row.row.begin, end - row.row.begin});
+}
+
+// Candidates of a group. Those of its own level come first, beginning with the group's second sphere, and
+// hold each pair once: from the lower row, or from the lower entry of one row.
+void NeighbourSearch::Grids::gather(std::size_t own, std::size_t begin, std::size_t end, double gap,
+                                    Block& block) const {
+  Vec3 box_low = entries[begin].position, box_high = box_low;
+  double radius = entries[begin].radius;
+  for (std::size_t p = begin + 1; p < end; ++p) {
+    box_low = box_low.cwiseMin(entries[p].position);
+    box_high = box_high.cwiseMax(entries[p].position);
+    radius = std::max(radius, entries[p].radius);
   }
-  block.count = count;
-}
-
-void NeighbourSearch::Grids::search_row(const Level& level, const Entry& sphere, Cursor& row,
-                                        std::int64_t z_low, std::int64_t z_high, double gap,
-                                        Block& block) const {
-  const std::uint64_t first = level.wrapped(z_low, 2), last = level.wrapped(z_high, 2);
-  seek(row, static_cast<std::uint32_t>(first));
-  if (first <= last) {
-    test(sphere, row.at, row.row.end, last, gap, block);
-  } else {
-    test(sphere, row.at, row.row.end, kNoKey, gap, block);
-    test(sphere, row.row.begin, row.row.end, last, gap, block);
+  block.candidates.count = 0;
+  for (std::size_t l = own + 1; l-- > 0;) {
+    const Level& level = levels[l];
+    if (level.empty()) continue;
+    // Room for the rounding of the distance test.
+    const double reach = (radius + 0.5 * gap + level.extent) * (1.0 + 1e-12);
+    Cell low = level.cell(box_low.array() - reach), high = level.cell(box_high.array() + reach);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low[axis] = std::max<std::int64_t>(low[axis], 0);
+      high[axis] = std::min(high[axis], level.span[axis]);
+    }
+    if (low[2] > high[2]) continue;
+    const auto gather_row = [&](std::int64_t x, std::int64_t y) {
+      Cursor& row = cursor(level, block.cursors[l], x, y);
+      if (row.row.begin == row.row.end) return;
+      seek(row, level.wrapped(low[2], 2));
+      gather(level, row, row.at, low[2], high[2], block.candidates);
+    };
+    if (l < own) {
+      for (std::int64_t x = low[0]; x <= high[0]; ++x)
+        for (std::int64_t y = low[1]; y <= high[1]; ++y) gather_row(x, y);
+    } else {
+      const Cell c = level.cell(entries[begin].position);
+      gather(level, cursor(level, block.cursors[l], c[0], c[1]), begin + 1, c[2], high[2], block.candidates);
+      for (std::int64_t y = c[1] + 1; y <= high[1]; ++y) gather_row(c[0], y);
+      for (std::int64_t x = c[0] + 1; x <= high[0]; ++x)
+        for (std::int64_t y = low[1]; y <= high[1]; ++y) gather_row(x, y);
+    }
   }
 }
 
 void NeighbourSearch::Grids::search(std::size_t begin, std::size_t end, double gap, Block& block) const {
-  block.count = 0;
-  for (auto& cursors : block.cursors) cursors.fill({});
+  block.found.count = 0;
+  for (Cursors& cursors : block.cursors) cursors.fill({});
   std::size_t own = 0;
-  for (std::size_t self = begin; self < end; ++self) {
-    while (levels[own].end <= self) ++own;
-    const Entry& sphere = entries[self];
-    for (std::size_t l = 0; l <= own; ++l) {
-      const Level& level = levels[l];
-      if (level.empty()) continue;
-      // Room for the rounding of the distance test.
-      const double reach = (sphere.radius + 0.5 * gap + level.extent) * (1.0 + 1e-12);
-      Cell low = level.cell(sphere.position.array() - reach),
-           high = level.cell(sphere.position.array() + reach);
-      for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = std::max<std::int64_t>(low[axis], 0);
-        high[axis] = std::min(high[axis], level.span[axis]);
-      }
-      auto& cursors = block.cursors[l];
-      if (l < own) {
-        if (low[2] > high[2]) continue;
-        for (std::int64_t x = low[0]; x <= high[0]; ++x)
-          for (std::int64_t y = low[1]; y <= high[1]; ++y)
-            search_row(level, sphere, cursor(level, cursors, x, y), low[2], high[2], gap, block);
-        continue;
-      }
-      // In its own level each pair is found once: from the lower row, or from the lower entry of one row.
-      const Cell c = level.cell(sphere.position);
-      for (std::int64_t x = c[0]; x <= high[0]; ++x)
-        for (std::int64_t y = x == c[0] ? c[1] + 1 : low[1]; y <= high[1]; ++y)
-          search_row(level, sphere, cursor(level, cursors, x, y), low[2], high[2], gap, block);
-      const Cursor& row = cursor(level, cursors, c[0], c[1]);
-      const std::uint64_t last = level.wrapped(high[2], 2);
-      test(sphere, self + 1, row.row.end, last, gap, block);
-    }
+  for (std::size_t group = begin; group < end;) {
+    while (levels[own].end <= group) ++own;
+    const std::size_t stop = group_end(levels[own], group, std::min(end, levels[own].end));
+    gather(own, group, stop, gap, block);
+    for (std::size_t self = group; self < stop; ++self)
+      block.candidates.test(entries[self], self - group, gap, block.found);
+    group = stop;
   }
 }
 
@@ -309,15 +251,15 @@ void NeighbourSearch::Grids::collect(std::size_t count, std::vector<Pair>& pairs
   next.assign(count + 1, 0);
   std::size_t total = 0;
   for (const Block& block : blocks) {
-    total += block.count;
-    for (std::size_t p = 0; p < block.count; ++p) ++next[(block.found[p] >> 32) + 1];
+    total += block.found.count;
+    for (const std::uint64_t pair : block.found.valid()) ++next[(pair >> 32) + 1];
   }
   for (std::size_t i = 0; i < count; ++i) next[i + 1] += next[i];
   pairs.resize(total);
   for (const Block& block : blocks)
-    for (std::size_t p = 0; p < block.count; ++p) {
-      const auto i = static_cast<std::uint32_t>(block.found[p] >> 32);
-      pairs[next[i]++] = {i, static_cast<std::uint32_t>(block.found[p])};
+    for (const std::uint64_t pair : block.found.valid()) {
+      const auto i = static_cast<std::uint32_t>(pair >> 32);
+      pairs[next[i]++] = {i, static_cast<std::uint32_t>(pair)};
     }
   // Every `next` has moved on to the end of its sphere's pairs.
   parallel_for(count, [&](std::size_t i) {

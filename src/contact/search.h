@@ -15,14 +15,14 @@ struct Pair {
   bool operator==(const Pair&) const = default;
 };
 
-/// Whether |a - b| < limit (m, limit >= 0), decided on the squares in double precision.
-inline bool closer_than(const Vec3& a, const Vec3& b, double limit) {
-  const double x = a.x() - b.x(), y = a.y() - b.y(), z = a.z() - b.z();
+/// Whether the vector (x, y, z) is shorter than limit (m, limit >= 0), decided on the squares in double
+/// precision.
+inline bool closer_than(double x, double y, double z, double limit) {
   return x * x + y * y + z * z < limit * limit;
 }
 
 /// Search on a hierarchy of grids [Ogarko & Luding 2012, Comput. Phys. Commun. 183, 931]: spheres are sorted
-/// into levels by size in powers of two, each level has cells as wide as its largest sphere, and a sphere
+/// into levels by size in powers of four, each level has cells as wide as its largest sphere, and a sphere
 /// looks into its own level and all coarser ones. Neither time nor memory depends on the extents. The object
 /// keeps its scratch memory, so that repeated searches of one scene allocate next to nothing.
 class NeighbourSearch {

@@ -25,7 +25,7 @@ struct MotionBatch {
   Batch radius;
 };
 
-MotionBatch load_motions(const std::vector<SphereMotion>& motions, const std::uint32_t (&index)[kLanes]) {
+CAIRN_INLINE MotionBatch load_motions(const std::vector<SphereMotion>& motions, const std::uint32_t (&index)[kLanes]) {
   const double *low[kLanes], *high[kLanes];
   for (std::size_t l = 0; l < kLanes; ++l) {
     low[l] = motions[index[l]].position;
@@ -42,18 +42,18 @@ MotionBatch load_motions(const std::vector<SphereMotion>& motions, const std::ui
           .radius = a[3]};
 }
 
-Batch gather(const std::vector<double>& from, const std::uint32_t (&slot)[kLanes]) {
+CAIRN_INLINE Batch gather(const std::vector<double>& from, const std::uint32_t (&slot)[kLanes]) {
   Batch out;
   for (std::size_t l = 0; l < kLanes; ++l) out.v[l] = from[slot[l]];
   return out;
 }
 
-void scatter(std::vector<double>& to, const std::uint32_t (&slot)[kLanes], Batch values) {
+CAIRN_INLINE void scatter(std::vector<double>& to, const std::uint32_t (&slot)[kLanes], Batch values) {
   for (std::size_t l = 0; l < kLanes; ++l) to[slot[l]] = values[l];
 }
 
 template <Features F>
-ContactMemory<Batch> load_memory(const ContactList& contacts, const std::uint32_t (&slot)[kLanes]) {
+CAIRN_INLINE ContactMemory<Batch> load_memory(const ContactList& contacts, const std::uint32_t (&slot)[kLanes]) {
   ContactMemory<Batch> m;
   m.c_n = gather(contacts.c_n, slot);
   if constexpr (F.tangential) {
@@ -67,7 +67,7 @@ ContactMemory<Batch> load_memory(const ContactList& contacts, const std::uint32_
 }
 
 template <Features F>
-void store_springs(ContactList& contacts, const std::uint32_t (&slot)[kLanes], const ContactMemory<Batch>& m) {
+CAIRN_INLINE void store_springs(ContactList& contacts, const std::uint32_t (&slot)[kLanes], const ContactMemory<Batch>& m) {
   if constexpr (F.tangential) {
     scatter(contacts.slide[0], slot, m.slide.x);
     scatter(contacts.slide[1], slot, m.slide.y);
@@ -97,7 +97,7 @@ LawConstants<Batch> gather_laws(const Bodies& bodies, const SweepSettings& setti
   return out;
 }
 
-void store_wrenches(ContactList& contacts, const std::uint32_t (&slot)[kLanes], const Triple<Batch>& force,
+CAIRN_INLINE void store_wrenches(ContactList& contacts, const std::uint32_t (&slot)[kLanes], const Triple<Batch>& force,
                     const Triple<Batch>& torque_i, const Triple<Batch>& torque_j) {
   double* rows[kLanes];
   for (std::size_t l = 0; l < kLanes; ++l) rows[l] = contacts.wrench[slot[l]].force;

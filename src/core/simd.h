@@ -10,12 +10,15 @@ namespace cairn {
 
 inline constexpr std::size_t kLanes = 8;
 
+/// The compiler's cost model thinks these bodies large and calls them; a call spills every register.
+#define CAIRN_INLINE [[gnu::always_inline]] inline
+
 /// Result of comparing batches: all bits of a lane set, or none.
 struct Mask {
   using Vector = std::int64_t __attribute__((vector_size(64)));
   Vector v;
-  friend Mask operator&(Mask a, Mask b) { return {a.v & b.v}; }
-  friend Mask operator|(Mask a, Mask b) { return {a.v | b.v}; }
+  CAIRN_INLINE friend Mask operator&(Mask a, Mask b) { return {a.v & b.v}; }
+  CAIRN_INLINE friend Mask operator|(Mask a, Mask b) { return {a.v | b.v}; }
 };
 
 struct Batch {
@@ -27,50 +30,50 @@ struct Batch {
   Batch(double x) : v(Vector{} + x) {}
 
   double operator[](std::size_t lane) const { return v[lane]; }
-  friend Batch operator+(Batch a, Batch b) { return a.v + b.v; }
-  friend Batch operator-(Batch a, Batch b) { return a.v - b.v; }
-  friend Batch operator*(Batch a, Batch b) { return a.v * b.v; }
-  friend Batch operator/(Batch a, Batch b) { return a.v / b.v; }
-  friend Batch operator-(Batch a) { return -a.v; }
+  CAIRN_INLINE friend Batch operator+(Batch a, Batch b) { return a.v + b.v; }
+  CAIRN_INLINE friend Batch operator-(Batch a, Batch b) { return a.v - b.v; }
+  CAIRN_INLINE friend Batch operator*(Batch a, Batch b) { return a.v * b.v; }
+  CAIRN_INLINE friend Batch operator/(Batch a, Batch b) { return a.v / b.v; }
+  CAIRN_INLINE friend Batch operator-(Batch a) { return -a.v; }
   Batch& operator+=(Batch a) { v += a.v; return *this; }
-  friend Mask operator<(Batch a, Batch b) { return {a.v < b.v}; }
-  friend Mask operator>(Batch a, Batch b) { return {a.v > b.v}; }
+  CAIRN_INLINE friend Mask operator<(Batch a, Batch b) { return {a.v < b.v}; }
+  CAIRN_INLINE friend Mask operator>(Batch a, Batch b) { return {a.v > b.v}; }
 };
 
-inline bool any(Mask m) {
+CAIRN_INLINE bool any(Mask m) {
   std::int64_t bits = 0;
   for (std::size_t l = 0; l < kLanes; ++l) bits |= m.v[l];
   return bits != 0;
 }
-inline bool any(bool m) { return m; }
+CAIRN_INLINE bool any(bool m) { return m; }
 
-inline Batch select(Mask m, Batch yes, Batch no) { return m.v ? yes.v : no.v; }
-inline double select(bool m, double yes, double no) { return m ? yes : no; }
+CAIRN_INLINE Batch select(Mask m, Batch yes, Batch no) { return m.v ? yes.v : no.v; }
+CAIRN_INLINE double select(bool m, double yes, double no) { return m ? yes : no; }
 
-inline Batch min(Batch a, Batch b) { return a.v < b.v ? a.v : b.v; }
-inline Batch max(Batch a, Batch b) { return a.v > b.v ? a.v : b.v; }
-inline double min(double a, double b) { return a < b ? a : b; }
-inline double max(double a, double b) { return a > b ? a : b; }
+CAIRN_INLINE Batch min(Batch a, Batch b) { return a.v < b.v ? a.v : b.v; }
+CAIRN_INLINE Batch max(Batch a, Batch b) { return a.v > b.v ? a.v : b.v; }
+CAIRN_INLINE double min(double a, double b) { return a < b ? a : b; }
+CAIRN_INLINE double max(double a, double b) { return a > b ? a : b; }
 
-inline Batch sqrt(Batch a) {
+CAIRN_INLINE Batch sqrt(Batch a) {
   Batch r;
   for (std::size_t l = 0; l < kLanes; ++l) r.v[l] = __builtin_sqrt(a.v[l]);
   return r;
 }
-inline double sqrt(double a) { return __builtin_sqrt(a); }
+CAIRN_INLINE double sqrt(double a) { return __builtin_sqrt(a); }
 
-inline Batch abs(Batch a) { return max(a, -a); }
-inline double abs(double a) { return __builtin_fabs(a); }
+CAIRN_INLINE Batch abs(Batch a) { return max(a, -a); }
+CAIRN_INLINE double abs(double a) { return __builtin_fabs(a); }
 
 /// a * b + c, fused where the instruction set has it.
-inline double fma(double a, double b, double c) {
+CAIRN_INLINE double fma(double a, double b, double c) {
 #ifdef __FMA__
   return __builtin_fma(a, b, c);
 #else
   return a * b + c;
 #endif
 }
-inline Batch fma(Batch a, Batch b, Batch c) {
+CAIRN_INLINE Batch fma(Batch a, Batch b, Batch c) {
 #ifdef __FMA__
   Batch r;
   for (std::size_t l = 0; l < kLanes; ++l) r.v[l] = __builtin_fma(a.v[l], b.v[l], c.v[l]);
@@ -81,24 +84,24 @@ inline Batch fma(Batch a, Batch b, Batch c) {
 }
 
 /// Reads 8 consecutive doubles from each of 8 rows: column k of the rows comes out as out[k].
-inline void load_transposed(const double* const (&rows)[kLanes], Batch (&out)[kLanes]);
+CAIRN_INLINE void load_transposed(const double* const (&rows)[kLanes], Batch (&out)[kLanes]);
 
 /// The inverse: writes in[k], lane l to rows[l][k].
-inline void store_transposed(const Batch (&in)[kLanes], double* const (&rows)[kLanes]);
+CAIRN_INLINE void store_transposed(const Batch (&in)[kLanes], double* const (&rows)[kLanes]);
 
 namespace simd_detail {
 
 using V = Batch::Vector;
 using I = Mask::Vector;
 
-inline V load(const double* p) {
+CAIRN_INLINE V load(const double* p) {
   V v;
   __builtin_memcpy(&v, p, sizeof v);
   return v;
 }
 
 /// Transposes an 8 x 8 block held in registers: pairs, quads, halves.
-inline void transpose(V (&r)[8]) {
+CAIRN_INLINE void transpose(V (&r)[8]) {
   constexpr I low1{0, 8, 2, 10, 4, 12, 6, 14}, high1{1, 9, 3, 11, 5, 13, 7, 15};
   constexpr I low2{0, 1, 8, 9, 4, 5, 12, 13}, high2{2, 3, 10, 11, 6, 7, 14, 15};
   constexpr I low4{0, 1, 2, 3, 8, 9, 10, 11}, high4{4, 5, 6, 7, 12, 13, 14, 15};
@@ -120,14 +123,14 @@ inline void transpose(V (&r)[8]) {
 
 }  // namespace simd_detail
 
-inline void load_transposed(const double* const (&rows)[kLanes], Batch (&out)[kLanes]) {
+CAIRN_INLINE void load_transposed(const double* const (&rows)[kLanes], Batch (&out)[kLanes]) {
   simd_detail::V r[8];
   for (std::size_t k = 0; k < kLanes; ++k) r[k] = simd_detail::load(rows[k]);
   simd_detail::transpose(r);
   for (std::size_t k = 0; k < kLanes; ++k) out[k] = r[k];
 }
 
-inline void store_transposed(const Batch (&in)[kLanes], double* const (&rows)[kLanes]) {
+CAIRN_INLINE void store_transposed(const Batch (&in)[kLanes], double* const (&rows)[kLanes]) {
   simd_detail::V r[8];
   for (std::size_t k = 0; k < kLanes; ++k) r[k] = in[k].v;
   simd_detail::transpose(r);
@@ -138,22 +141,22 @@ inline void store_transposed(const Batch (&in)[kLanes], double* const (&rows)[kL
 template <class T>
 struct Triple {
   T x, y, z;
-  friend Triple operator+(const Triple& a, const Triple& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-  friend Triple operator-(const Triple& a, const Triple& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-  friend Triple operator*(T s, const Triple& a) { return {s * a.x, s * a.y, s * a.z}; }
+  CAIRN_INLINE friend Triple operator+(const Triple& a, const Triple& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  CAIRN_INLINE friend Triple operator-(const Triple& a, const Triple& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  CAIRN_INLINE friend Triple operator*(T s, const Triple& a) { return {s * a.x, s * a.y, s * a.z}; }
 };
 
 /// s a + b
 template <class T>
-Triple<T> fma(T s, const Triple<T>& a, const Triple<T>& b) {
+CAIRN_INLINE Triple<T> fma(T s, const Triple<T>& a, const Triple<T>& b) {
   return {fma(s, a.x, b.x), fma(s, a.y, b.y), fma(s, a.z, b.z)};
 }
 template <class T>
-T dot(const Triple<T>& a, const Triple<T>& b) {
+CAIRN_INLINE T dot(const Triple<T>& a, const Triple<T>& b) {
   return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z));
 }
 template <class T>
-Triple<T> cross(const Triple<T>& a, const Triple<T>& b) {
+CAIRN_INLINE Triple<T> cross(const Triple<T>& a, const Triple<T>& b) {
   return {fma(a.y, b.z, -(a.z * b.y)), fma(a.z, b.x, -(a.x * b.z)), fma(a.x, b.y, -(a.y * b.x))};
 }
 

@@ -1,6 +1,7 @@
 // A scene: everything a run depends on, as its TOML file states it. SI units throughout.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -8,6 +9,8 @@
 
 #include "contact/law/material.h"
 #include "core/math.h"
+#include "io/source.h"
+#include "motion/spin.h"
 #include "shape/shape.h"
 
 namespace cairn {
@@ -77,11 +80,6 @@ struct GravitySpec {
   Vec3 field = Vec3::Zero();         ///< m/s^2, uniform external field
 };
 
-/// A point of the spin path: time since the start of the stage (s), spin period (s).
-struct SpinPoint {
-  double time, period;
-};
-
 /// Prescribed spin of the pile about z [Zhang et al. 2021, section 2.3].
 struct SpinSpec {
   std::vector<SpinPoint> path;
@@ -125,6 +123,7 @@ struct Scene {
   OutputSpec output;
 
   std::string text;                ///< the scene file as read
+  SourceMap sources;               ///< where each key stands in it, for errors found later
   std::filesystem::path directory; ///< where relative paths start
 };
 

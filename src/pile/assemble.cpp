@@ -53,8 +53,6 @@ Setup assemble(const Scene& scene) {
              {body.position, body.orientation, body.velocity, body.angular_velocity});
   }
   setup.shapes = shapes.names();
-  for (const PlaneSpec& plane : scene.planes)
-    setup.planes.push_back({plane.point, plane.normal, static_cast<std::uint16_t>(setup.planes.size())});
   return setup;
 }
 

@@ -33,23 +33,24 @@ MassProperties sum_of_spheres(const Shape& shape);
 /// The volume covered by at least one sphere, exact to quadrature round-off (about 1e-12).
 MassProperties union_of_spheres(const Shape& shape);
 
-/// A shape ready to become bodies: in its principal frame, origin at the centre of mass, unit size and density.
+/// A shape ready to become bodies: in its principal frame, origin at the centre of mass, unit size.
 struct RigidShape {
   std::string name;
   MassModel mass_model = MassModel::union_volume;
-  double volume = 0.0;             ///< in size^3
-  Vec3 inertia = Vec3::Zero();     ///< principal moments per mass, I1 <= I2 <= I3, in size^2
-  Quat axes = Quat::Identity();    ///< principal frame -> frame of the shape file
-  Vec3 center = Vec3::Zero();      ///< centre of mass in the frame of the shape file
-  std::vector<Vec3> offsets;       ///< sphere centres, principal frame, origin at the centre of mass
+  double volume = 0.0;           ///< in size^3
+  Vec3 inertia = Vec3::Zero();   ///< principal moments per mass, I1 <= I2 <= I3, in size^2
+  Quat axes = Quat::Identity();  ///< principal frame -> frame of the shape file
+  Vec3 center = Vec3::Zero();    ///< centre of mass in the frame of the shape file
+  std::vector<Vec3> offsets;     ///< sphere centres, principal frame, origin at the centre of mass
   std::vector<double> radii;
-  std::vector<double> mass_fractions;  ///< gravity masses: sum 1, first moment 0, nearest to proportional to volume
-  double moment_error = 0.0;       ///< relative mismatch of the point masses' second moments and the inertia
-  double bounding_radius = 0.0;    ///< about the centre of mass
+  /// Gravity masses: sum 1, first moment 0, nearest to proportional to r^3, none below a thousandth of that.
+  std::vector<double> mass_fractions;
+  double moment_error = 0.0;     ///< relative mismatch of the point masses' second moments and the inertia
+  double bounding_radius = 0.0;  ///< about the centre of mass
 };
 
 /// Principal frame, inertia and gravity masses of a shape.
-/// @throws InputError when no positive gravity masses satisfy sum 1 and zero first moment.
+/// @throws InputError when there is no sphere, a number is not finite, or no positive gravity masses balance.
 RigidShape make_rigid(const Shape& shape, MassModel model);
 
 }  // namespace cairn

@@ -151,6 +151,13 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   return p;
 }
 
+std::vector<Plane> make_planes(const Scene& scene) {
+  std::vector<Plane> planes;
+  for (const PlaneSpec& p : scene.planes)
+    planes.push_back({p.point, p.normal, static_cast<std::uint16_t>(planes.size())});
+  return planes;
+}
+
 std::string describe_models(const Physics& physics, const Bodies& bodies, bool walls) {
   const Features& f = physics.contacts.features;
   std::string text = bodies.size() == bodies.spheres.size() ? "loose spheres" : "aggregates";

@@ -36,6 +36,9 @@ double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bo
 /// @throws InputError when the time step is longer than the longest safe one.
 Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bodies, double k_n);
 
+/// The planes of the scene; the material of each is its own number in Physics::plane_materials.
+std::vector<Plane> make_planes(const Scene& scene);
+
 /// A short list of the models in the step, e.g. "tangential + rolling + twisting + cohesion, tree gravity".
 std::string describe_models(const Physics& physics, const Bodies& bodies, bool walls);
 

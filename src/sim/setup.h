@@ -5,14 +5,15 @@
 #include <vector>
 
 #include "body/bodies.h"
-#include "contact/walls.h"
+#include "contact/history.h"
 
 namespace cairn {
 
 struct Setup {
   Bodies bodies;
   std::vector<std::string> shapes;  ///< name of each shape number
-  std::vector<Plane> planes;
+  std::vector<ContactRecord> contacts;  ///< of a pile read from a file
+  double k_n = 0.0;                     ///< N/m, stiffness those contacts had; 0: none
 };
 
 }  // namespace cairn

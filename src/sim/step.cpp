@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/timer.h"
+#include "gravity/conserve.h"
 #include "motion/drift.h"
 #include "motion/spin.h"
 
@@ -17,6 +18,12 @@ double& time_of(Scratch& scratch, Phase phase) { return scratch.times[static_cas
 
 gravity::Points points_of(const Bodies& bodies) {
   return {bodies.spheres.position, bodies.spheres.mass, bodies.first_sphere};
+}
+
+/// The rigid motion that carries the bodies' total momentum and angular momentum.
+RigidMotion rigid_motion(const Bodies& bodies, double time) {
+  const SpinState whole = spin_state(bodies, all_bodies(bodies));
+  return {whole.center, whole.velocity, rotation_rate(whole), time};
 }
 
 /// Makes the list of candidate pairs good for the present positions.
@@ -61,24 +68,40 @@ void evaluate_contacts(const Physics& physics, const SweepSettings& settings, St
   check_overlap(physics, state, report.overlap_ratio);
 }
 
+/// Accelerations of all spheres by the method of the stage, and potentials when asked for.
+void attract(const Physics& physics, const Bodies& bodies, Scratch& scratch, std::span<double> potential = {}) {
+  scratch.acceleration.resize(bodies.spheres.size());
+  if (physics.gravity == GravityMethod::direct)
+    scratch.direct.evaluate(points_of(bodies), scratch.acceleration, potential);
+  else
+    scratch.tree.evaluate(points_of(bodies), scratch.acceleration, potential);
+}
+
 /// Forces and torques of self-gravity, evaluated every few steps and turned with the pile between.
-void evaluate_gravity(const Physics& physics, State& state, Scratch& scratch) {
+void add_gravity(const Physics& physics, State& state, Scratch& scratch) {
   Bodies& bodies = state.bodies;
-  if (physics.gravity != GravityMethod::none) {
-    const double time = state.clock.time();
-    if (state.clock.step % physics.gravity_interval == 0) {
-      scratch.acceleration.resize(bodies.spheres.size());
-      if (physics.gravity == GravityMethod::direct)
-        scratch.direct.evaluate(points_of(bodies), scratch.acceleration);
-      else
-        scratch.tree.evaluate(points_of(bodies), physics.opening_angle, scratch.acceleration);
-      gravity::renew(state.gravity, points_of(bodies), scratch.acceleration, bodies.position, time,
-                     rigid_motion(bodies, time).spin);
-    }
-    gravity::add_held(state.gravity, time, bodies.position, bodies.mass, bodies.force, bodies.torque);
+  const double time = state.clock.time();
+  scratch.force.resize(bodies.size());
+  scratch.torque.resize(bodies.size());
+  if (state.clock.step % physics.gravity_interval == 0) {
+    attract(physics, bodies, scratch);
+    gravity::sum_groups(bodies.spheres.position, bodies.spheres.mass, bodies.first_sphere, scratch.acceleration,
+                        bodies.position, scratch.force, scratch.torque);
+    gravity::renew(state.gravity, bodies.position, bodies.mass, scratch.force, scratch.torque, time,
+                   rigid_motion(bodies, time).spin);
   }
+  gravity::extrapolate(state.gravity, time, bodies.position, bodies.mass, scratch.force, scratch.torque);
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    bodies.force[b] += scratch.force[b];
+    bodies.torque[b] += scratch.torque[b];
+  });
+}
+
+void add_fields(const Physics& physics, State& state, Scratch& scratch) {
+  if (physics.gravity != GravityMethod::none) add_gravity(physics, state, scratch);
   if (physics.field != Vec3::Zero())
-    parallel_for(bodies.size(), [&](std::size_t b) { bodies.force[b] += bodies.mass[b] * physics.field; });
+    parallel_for(state.bodies.size(),
+                 [&](std::size_t b) { state.bodies.force[b] += state.bodies.mass[b] * physics.field; });
 }
 
 void control_spin(const Physics& physics, State& state) {
@@ -98,9 +121,10 @@ void prepare_scratch(const Physics& physics, State& state, Scratch& scratch) {
   scratch.candidates.rebuild(state.bodies, rigid_motion(state.bodies, state.clock.time()), physics.contacts.features,
                              state.contacts);
   scratch.list_age = 0;
+  if (physics.gravity == GravityMethod::tree) scratch.tree = gravity::Fmm({.theta = physics.opening_angle});
 }
 
-void begin_stage(const Physics& physics, State& state, Scratch& scratch) {
+void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inherited, State& state, Scratch& scratch) {
   Bodies& bodies = state.bodies;
   place_spheres(bodies);
   // Springs keep their forces: their lengths scale with the inverse of the stiffness.
@@ -113,7 +137,7 @@ void begin_stage(const Physics& physics, State& state, Scratch& scratch) {
     }
     return records;
   };
-  const std::vector<ContactRecord> contacts = rescaled(state.contacts.records());
+  const std::vector<ContactRecord> contacts = rescaled(inherited);
   const std::vector<ContactRecord> walls = rescaled(state.walls.records());
   state.contacts = ContactList{};
   prepare_scratch(physics, state, scratch);
@@ -131,7 +155,7 @@ void begin_stage(const Physics& physics, State& state, Scratch& scratch) {
   parallel_for(bodies.size(), [&](std::size_t b) { scratch.spin_mid[b] = angular_velocity(bodies, b); });
   compute_motions(bodies, scratch.spin_mid, 0.0, scratch.motions);
   evaluate_contacts(physics, still, state, scratch);
-  evaluate_gravity(physics, state, scratch);
+  add_fields(physics, state, scratch);
 }
 
 void step(const Physics& physics, State& state, Scratch& scratch) {
@@ -156,7 +180,7 @@ void step(const Physics& physics, State& state, Scratch& scratch) {
   }
   {
     ScopedTimer timer(time_of(scratch, Phase::gravity));
-    evaluate_gravity(physics, state, scratch);
+    add_fields(physics, state, scratch);
   }
   {
     ScopedTimer timer(time_of(scratch, Phase::motion));
@@ -172,11 +196,7 @@ double gravitational_energy(const Physics& physics, const Bodies& bodies, Scratc
   if (physics.gravity == GravityMethod::none) return 0.0;
   const std::size_t n = bodies.spheres.size();
   std::vector<double> potential(n);
-  scratch.acceleration.resize(n);
-  if (physics.gravity == GravityMethod::direct)
-    scratch.direct.evaluate(points_of(bodies), scratch.acceleration, potential);
-  else
-    scratch.tree.evaluate(points_of(bodies), physics.opening_angle, scratch.acceleration, potential);
+  attract(physics, bodies, scratch, potential);
   return 0.5 * parallel_sum(n, 0.0, [&](std::size_t s) { return bodies.spheres.mass[s] * potential[s]; });
 }
 

@@ -6,7 +6,7 @@
 
 #include "contact/candidates.h"
 #include "gravity/direct.h"
-#include "gravity/tree_sum.h"
+#include "gravity/fmm.h"
 #include "sim/physics.h"
 #include "sim/state.h"
 
@@ -26,15 +26,15 @@ struct Scratch {
   std::vector<SphereMotion> motions;
   std::vector<Vec3> spin_mid;
   gravity::DirectSum direct;
-  gravity::TreeSum tree;
-  std::vector<Vec3> acceleration;
+  gravity::Fmm tree;
+  std::vector<Vec3> acceleration, force, torque;  ///< of gravity
   PhaseTimes times{};
 };
 
-/// Prepares a stage: contacts take the stage's stiffness and materials (springs keep their forces), wrenches are
-/// evaluated at the present poses and velocities.
+/// Prepares a stage: the contacts it inherits take its stiffness and materials (springs keep their forces), wrenches
+/// are evaluated at the present poses and velocities.
 /// @throws InputError when bodies overlap beyond the bound before the first step.
-void begin_stage(const Physics& physics, State& state, Scratch& scratch);
+void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inherited, State& state, Scratch& scratch);
 
 /// Restores what a checkpoint does not hold, without changing the state.
 void prepare_scratch(const Physics& physics, State& state, Scratch& scratch);

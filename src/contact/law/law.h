@@ -69,14 +69,14 @@ struct ContactAction {
 
 /// Turns `a` by the rotation vector `phi` (rad), |phi| up to about 0.5 to round-off.
 template <class T>
-Triple<T> rotate(const Triple<T>& phi, T sine, T versine, const Triple<T>& a) {
+CAIRN_INLINE Triple<T> rotate(const Triple<T>& phi, T sine, T versine, const Triple<T>& a) {
   const Triple<T> b = cross(phi, a);
   return fma(versine, cross(phi, b), fma(sine, b, a));
 }
 
 /// `a` made orthogonal to the unit vector n at unchanged length.
 template <class T>
-Triple<T> flatten(const Triple<T>& a, const Triple<T>& n) {
+CAIRN_INLINE Triple<T> flatten(const Triple<T>& a, const Triple<T>& n) {
   const Triple<T> flat = fma(-dot(a, n), n, a);
   const T length2 = dot(a, a), flat2 = dot(flat, flat);
   const T scale = select(flat2 > T(0.0), sqrt(length2 / select(flat2 > T(0.0), flat2, T(1.0))), T(1.0));
@@ -85,14 +85,14 @@ Triple<T> flatten(const Triple<T>& a, const Triple<T>& n) {
 
 /// min(1, limit / length) for a vector of squared length `length2`.
 template <class T>
-T cut(T limit, T length2) {
+CAIRN_INLINE T cut(T limit, T length2) {
   const auto over = length2 > limit * limit;
   return select(over, limit / sqrt(select(over, length2, T(1.0))), T(1.0));
 }
 
 /// Advances the springs over the drift, evaluates spring + dashpot + slider for each motion that F has.
 template <Features F, class T>
-ContactAction<T> evaluate(const LawConstants<T>& law, const ContactGeometry<T>& geometry,
+CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const ContactGeometry<T>& geometry,
                           const ContactMotion<T>& motion, ContactMemory<T>& memory) {
   const Triple<T>& n = geometry.n;
   const Triple<T>& n_mid = geometry.n_mid;
@@ -119,12 +119,12 @@ ContactAction<T> evaluate(const LawConstants<T>& law, const ContactGeometry<T>& 
                               (T(1.0) - phi2 * T(1.0 / 20) * (T(1.0) - phi2 * T(1.0 / 42) * (T(1.0) - phi2 * T(1.0 / 72))));
   const T versine = T(0.5) - phi2 * T(1.0 / 24) *
                                  (T(1.0) - phi2 * T(1.0 / 30) * (T(1.0) - phi2 * T(1.0 / 56) * (T(1.0) - phi2 * T(1.0 / 90))));
-  const auto advance = [&](const Triple<T>& spring, const Triple<T>& rate) {
+  const auto advance = [&](const Triple<T>& spring, const Triple<T>& rate) __attribute__((always_inline)) {
     return flatten(rotate(phi, sine, versine, fma(dt, rate, rotate(phi, sine, versine, spring))), n);
   };
   // Spring, dashpot, slider: the spring is shortened to what the slider holds, then the sum is cut to the limit.
   const auto slide = [&](T stiffness, T damping, T limit, Triple<T>& spring, const Triple<T>& rate,
-                         const Triple<T>& rate_mid) {
+                         const Triple<T>& rate_mid) __attribute__((always_inline)) {
     const T before = dot(spring, spring);
     const T keep = cut(limit, stiffness * stiffness * before);
     spring = keep * spring;

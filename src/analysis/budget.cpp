@@ -1,0 +1,77 @@
+#include "analysis/budget.h"
+
+#include <Eigen/Core>
+
+#include "core/parallel.h"
+
+namespace cairn {
+namespace {
+
+// Sums that carry their rounding errors along [Ogita, Rump & Oishi 2005, SIAM J. Sci. Comput. 26, 1955:
+// Sum2].
+template <int count>
+struct Compensated {
+  using Values = Eigen::Array<double, count, 1>;
+  Values sum = Values::Zero(), error = Values::Zero();
+
+  Compensated& operator+=(const Values& term) {
+    const Values total = sum + term;
+    const Values added = total - sum;
+    error += (sum - (total - added)) + (term - added);
+    sum = total;
+    return *this;
+  }
+  Compensated& operator+=(const Compensated& other) {
+    *this += other.sum;
+    error += other.error;
+    return *this;
+  }
+  Values value() const { return sum + error; }
+};
+
+}  // namespace
+
+Budget budget(const Bodies& bodies) {
+  const std::size_t count = bodies.size();
+  if (count == 0) return {};
+  Budget result;
+  const Vec3 origin = bodies.position[0];
+  using First = Compensated<7>;
+  const auto first = parallel_sum(count, First{}, [&](std::size_t b) {
+                       const double m = bodies.mass[b];
+                       First::Values term;
+                       term << m, m * (bodies.position[b] - origin).array(), m * bodies.velocity[b].array();
+                       return term;
+                     }).value();
+  result.mass = first[0];
+  const Vec3 center = first.segment<3>(1) / result.mass;  // from `origin`
+  result.center = origin + center;
+  result.momentum = first.segment<3>(4);
+  const Vec3 velocity = result.momentum / result.mass;
+
+  using Second = Compensated<11>;
+  const auto second =
+      parallel_sum(count, Second{}, [&](std::size_t b) {
+        const double m = bodies.mass[b];
+        const Vec3& spin = bodies.spin[b];
+        const Vec3 p = m * bodies.velocity[b];
+        const Vec3 about_origin = bodies.position[b].cross(p);
+        const Vec3 about_center =
+            ((bodies.position[b] - origin) - center).cross((m * (bodies.velocity[b] - velocity)).eval());
+        Second::Values term;
+        term << (about_origin + spin).array(), (about_center + spin).array(), p.norm(),
+            about_origin.norm() + spin.norm(), about_center.norm() + spin.norm(),
+            0.5 * p.dot(bodies.velocity[b]), 0.5 * spin.dot(angular_velocity(bodies, b));
+        return term;
+      }).value();
+  result.angular_momentum_about_origin = second.segment<3>(0);
+  result.angular_momentum_about_center = second.segment<3>(3);
+  result.momentum_scale = second[6];
+  result.angular_scale_about_origin = second[7];
+  result.angular_scale_about_center = second[8];
+  result.translational_energy = second[9];
+  result.rotational_energy = second[10];
+  return result;
+}
+
+}  // namespace cairn

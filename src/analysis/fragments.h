@@ -1,0 +1,26 @@
+// Fragments: clusters of bodies that touch or nearly touch (friends of friends).
+#pragma once
+
+#include <vector>
+
+#include "body/bodies.h"
+
+namespace cairn {
+
+/// Clusters in order of decreasing mass, ties by the smallest body; cluster 0 is the largest remnant.
+struct Fragments {
+  std::vector<std::uint32_t> label;  ///< cluster of every body
+  std::vector<double> mass;          ///< kg, of every cluster
+  std::vector<std::uint32_t> count;  ///< bodies in every cluster
+
+  std::size_t size() const { return mass.size(); }
+  /// Bodies of one cluster, ascending.
+  std::vector<std::uint32_t> members(std::uint32_t cluster) const;
+};
+
+/// Links bodies any of whose spheres' surfaces are closer than gap (m, >= 0). Sphere centres must be up to
+/// date.
+/// @throws UnstableError for a position that is not finite, InputError for an unusable gap.
+Fragments find_fragments(const Bodies& bodies, double gap);
+
+}  // namespace cairn

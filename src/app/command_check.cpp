@@ -1,0 +1,82 @@
+#include <fmt/core.h>
+
+#include "app/commands.h"
+#include "contact/stiffness.h"
+#include "core/timer.h"
+#include "pile/assemble.h"
+#include "sim/run.h"
+
+namespace cairn {
+
+namespace {
+
+struct Options {
+  std::filesystem::path scene;
+  bool keys = false;
+};
+
+/// Seconds per step of stage 0, from a short trial on a copy of the bodies.
+double time_step_cost(const Scene& scene, const Setup& setup, const Physics& physics) {
+  State state;
+  state.bodies = setup.bodies;
+  state.remnant.assign(state.bodies.size(), 1);
+  state.walls.planes = make_planes(scene);
+  state.walls.resize(state.bodies.spheres.size());
+  Scratch scratch;
+  begin_stage(physics, setup.contacts, state, scratch);
+  state.clock.dt = physics.contacts.dt;
+  step(physics, state, scratch);  // warms up
+  const double start = wall_seconds();
+  int steps = 0;
+  while (wall_seconds() - start < 0.5 && steps < 1000) {
+    step(physics, state, scratch);
+    ++steps;
+  }
+  return (wall_seconds() - start) / steps;
+}
+
+void check(const Options& options) {
+  if (options.keys) {
+    fmt::print("{}", scene_reference());
+    return;
+  }
+  const Scene scene = load_scene(options.scene);
+  const Setup setup = assemble(scene);
+  const std::size_t bodies = setup.bodies.size(), spheres = setup.bodies.spheres.size();
+  double mass = 0.0;
+  for (double m : setup.bodies.mass) mass += m;
+  fmt::print("{}: {}\n{} bodies, {} spheres, {:.4g} kg; escape speed of the pile {:.3g} m/s\n",
+             options.scene.string(), scene.title, bodies, spheres, mass, escape_speed(setup.bodies));
+  double steps = 0.0, cost = 0.0;
+  for (std::size_t k = 0; k < scene.stages.size(); ++k) {
+    const Physics physics =
+        resolve_physics(scene, k, setup.bodies, resolve_stiffness(scene, k, setup.bodies));
+    if (k == 0) cost = time_step_cost(scene, setup, physics);
+    steps += static_cast<double>(physics.steps);
+    fmt::print("stage {} '{}'\n  models     {}\n  stiffness  {:.4g} N/m; shortest contact {:.4g} s\n"
+               "  time step  {:.4g} s (longest safe {:.4g} s), {} steps for {:.6g} s\n",
+               k, scene.stages[k].name, describe_models(physics, setup.bodies, !scene.planes.empty()), physics.k_n,
+               physics.contact_time, physics.contacts.dt, kLongestSafeStep * physics.contact_time, physics.steps,
+               scene.stages[k].duration);
+  }
+  constexpr double bytes_per_sphere = 900.0;  // spheres, bodies, and six contacts with their histories
+  fmt::print("memory about {:.0f} MB; about {:.3g} min at the speed of the first steps ({:.2f} M sphere-steps/s; dense "
+             "piles have more contacts than clouds)\n",
+             1e-6 * bytes_per_sphere * static_cast<double>(spheres), steps * cost / 60.0,
+             1e-6 * static_cast<double>(spheres) / cost);
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("check", "validate a scene and tell what it requires; changes nothing");
+  CLI::Option* scene = command->add_option("scene", options->scene, "scene file (TOML)");
+  CLI::Option* keys = command->add_flag("--keys", options->keys, "print the reference of all scene keys instead");
+  command->callback([=] {
+    if (scene->empty() && keys->empty()) throw CLI::RequiredError("scene");
+    check(*options);
+  });
+}
+
+}  // namespace cairn

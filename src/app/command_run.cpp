@@ -1,0 +1,64 @@
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+
+#include "app/commands.h"
+#include "app/run_loop.h"
+#include "app/summary.h"
+#include "core/error.h"
+#include "pile/assemble.h"
+#include "sim/run.h"
+
+namespace cairn {
+
+namespace {
+
+struct Options {
+  std::filesystem::path scene, output;
+  bool force = false;
+};
+
+void start(const Options& options) {
+  Scene scene = load_scene(options.scene);
+  const std::filesystem::path output =
+      options.output.empty() ? std::filesystem::path(options.scene.stem().string() + ".h5") : options.output;
+  RunAttributes attributes{.title = scene.title,
+                           .scene = scene.text,
+                           .directory = std::filesystem::absolute(scene.directory).string(),
+                           .version = CAIRN_VERSION,
+                           .seed = scene.seed};
+  ResultFile results = ResultFile::create(output, attributes.table(), options.force);
+  Setup setup = assemble(scene);
+  Run run(std::move(scene), std::move(setup), std::move(results));
+  run_to_end(run);
+  print_summary({output});
+}
+
+void resume(const Options& options) {
+  Run run = Run::resume(options.output);
+  run_to_end(run);
+  print_summary({options.output});
+}
+
+CLI::App* add_start(CLI::App& app, const char* name, const char* help) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(name, help);
+  command->add_option("scene", options->scene, "scene file (TOML)")->required();
+  command->add_option("-o,--output", options->output, "result file (HDF5); default: the scene's name with .h5");
+  command->add_flag("-f,--force", options->force, "replace an existing result file");
+  command->callback([options] { start(*options); });
+  return command;
+}
+
+}  // namespace
+
+void add_run_commands(CLI::App& app) {
+  add_start(app, "build", "make a pile: run the stages of a scene, for other scenes to start from (pile = FILE)");
+  add_start(app, "run", "run a scene: progress, checkpoints, results; Ctrl-C leaves a file to resume");
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("resume", "continue an interrupted run, bitwise as if it had not stopped");
+  command->add_option("result", options->output, "result file of the run")->required();
+  command->callback([options] { resume(*options); });
+}
+
+}  // namespace cairn

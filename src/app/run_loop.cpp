@@ -1,0 +1,110 @@
+#include "app/run_loop.h"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+
+#include "app/summary.h"
+#include "core/timer.h"
+
+namespace cairn {
+
+namespace {
+
+std::atomic<int> g_signal{0};
+static_assert(std::atomic<int>::is_always_lock_free);
+
+/// Takes SIGINT and SIGTERM for as long as it lives; a second signal ends the program at once.
+class SignalGuard {
+ public:
+  SignalGuard() {
+    struct sigaction action {};
+    action.sa_handler = [](int number) { g_signal = number; };
+    action.sa_flags = SA_RESETHAND;
+    sigaction(SIGINT, &action, &interrupt_);
+    sigaction(SIGTERM, &action, &terminate_);
+  }
+  ~SignalGuard() {
+    sigaction(SIGINT, &interrupt_, nullptr);
+    sigaction(SIGTERM, &terminate_, nullptr);
+  }
+  SignalGuard(const SignalGuard&) = delete;
+  SignalGuard& operator=(const SignalGuard&) = delete;
+
+ private:
+  struct sigaction interrupt_ {}, terminate_ {};
+};
+
+std::string clock_text(double seconds) {
+  if (!(seconds < 360000.0)) return "--:--";
+  const auto s = static_cast<long>(seconds + 0.5);
+  return s >= 3600 ? fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
+                   : fmt::format("{:02}:{:02}", s / 60, s % 60);
+}
+
+/// One line, rewritten on a terminal and printed every 30 s elsewhere.
+class ProgressBar {
+ public:
+  void show(const Run& run) {
+    const Clock& clock = run.state().clock;
+    const double now = wall_seconds();
+    if (clock.stage != stage_) {
+      if (stage_ != kNone) newline();
+      stage_ = clock.stage;
+      stage_start_ = mark_ = last_line_ = now;
+      first_step_ = mark_step_ = clock.step;
+    }
+    if (now - mark_ > 1.0) {  // rate over the last seconds
+      const double recent = static_cast<double>(clock.step - mark_step_) / (now - mark_);
+      rate_ = rate_ == 0.0 ? recent : 0.7 * rate_ + 0.3 * recent;
+      mark_ = now;
+      mark_step_ = clock.step;
+    }
+    const bool terminal = isatty(STDERR_FILENO);
+    if (!terminal && now - last_line_ < 30.0) return;
+    last_line_ = now;
+    const double done = static_cast<double>(clock.step) / static_cast<double>(clock.steps);
+    const int filled = static_cast<int>(20.0 * done);
+    const Observation& o = run.last_observation();
+    std::string spin = o.period > 0.0 && o.period < 3.6e6 ? fmt::format("  T {:.3f} h", o.period / 3600.0) : "";
+    std::string shed = o.shed_bodies > 0.0 ? fmt::format("  {} apart", o.shed_bodies) : "";
+    fmt::print(stderr, "{}{:<10} [{}{}] {:5.1f} %  {:.2f} M sphere-steps/s  left {}{}{}{}", terminal ? "\r" : "",
+               run.scene().stages[clock.stage].name, std::string(filled, '#'), std::string(20 - filled, '.'),
+               100.0 * done, 1e-6 * rate_ * static_cast<double>(run.sphere_count()),
+               clock_text(rate_ > 0.0 ? static_cast<double>(clock.steps - clock.step) / rate_ : 1e9), spin, shed,
+               terminal ? "\x1b[K" : "\n");
+    std::fflush(stderr);
+  }
+  void newline() const {
+    if (isatty(STDERR_FILENO)) fmt::print(stderr, "\n");
+  }
+
+ private:
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
+  std::uint64_t stage_ = kNone, first_step_ = 0, mark_step_ = 0;
+  double stage_start_ = 0.0, mark_ = 0.0, last_line_ = 0.0, rate_ = 0.0;
+};
+
+}  // namespace
+
+void run_to_end(Run& run) {
+  const SignalGuard guard;
+  ProgressBar bar;
+  const double start = wall_seconds();
+  const std::uint64_t first = run.state().clock.total_steps;
+  const RunEnd end = run.advance([&](const Run& r) {
+    bar.show(r);
+    return g_signal == 0;
+  });
+  bar.newline();
+  if (end == RunEnd::interrupted) {
+    fmt::print(stderr, "stopped at t = {:.6g} s; continue with: cairn resume {}\n", run.state().clock.time(),
+               run.path().string());
+    throw Interrupted{};
+  }
+  print_phase_times(run, wall_seconds() - start, run.state().clock.total_steps - first);
+}
+
+}  // namespace cairn

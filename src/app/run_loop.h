@@ -1,0 +1,15 @@
+// Runs a simulation with a progress bar, stops it on SIGINT and SIGTERM, prints the summary at the end.
+#pragma once
+
+#include "sim/run.h"
+
+namespace cairn {
+
+/// The run was stopped by the user; its checkpoint is written.
+struct Interrupted {};
+
+/// Runs to the end.
+/// @throws Interrupted after SIGINT or SIGTERM, when the checkpoint is on disk.
+void run_to_end(Run& run);
+
+}  // namespace cairn

@@ -1,0 +1,101 @@
+#include "app/summary.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
+#include "app/commands.h"
+#include "app/result_view.h"
+
+namespace cairn {
+
+namespace {
+
+std::string hours(double seconds) { return seconds > 0.0 ? fmt::format("{:.3f} h", seconds / 3600.0) : "none"; }
+
+double last(const ResultView& view, const char* column) { return view.series(column).back(); }
+
+double largest(const ResultView& view, const char* column) {
+  double most = 0.0;
+  for (double v : view.series(column))
+    if (v > most) most = v;
+  return most;
+}
+
+/// Value of a column in the last row at or before time t (s).
+double value_at(const ResultView& view, const char* column, double t) {
+  const std::vector<double> times = view.series("time"), values = view.series(column);
+  const auto it = std::upper_bound(times.begin(), times.end(), t);
+  return values[static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, it - times.begin() - 1))];
+}
+
+struct Row {
+  const char* name;
+  std::function<std::string(const ResultView&)> value;
+};
+
+const std::vector<Row>& rows() {
+  static const std::vector<Row> table{
+      {"bodies", [](auto& v) { return fmt::format("{}", v.bodies().size()); }},
+      {"spheres", [](auto& v) { return fmt::format("{}", v.bodies().spheres.size()); }},
+      {"simulated time", [](auto& v) { return hours(last(v, "time")); }},
+      {"steps", [](auto& v) { return fmt::format("{}", v.total_steps()); }},
+      {"shortest period held", [](auto& v) { return hours(v.control().shortest_period); }},
+      {"failure at period", [](auto& v) { return hours(v.control().failure_period); }},
+      {"c/a before failure",
+       [](auto& v) {
+         return v.control().start_ratio > 0.0 ? fmt::format("{:.3f}", v.control().start_ratio) : std::string("-");
+       }},
+      {"b/a, c/a at the end",
+       [](auto& v) { return fmt::format("{:.3f}, {:.3f}", last(v, "b_over_a"), last(v, "c_over_a")); }},
+      {"period at the end", [](auto& v) { return hours(last(v, "period")); }},
+      {"coordination before spin-up",
+       [](auto& v) { return fmt::format("{:.2f}", value_at(v, "coordination", v.control_start())); }},
+      {"coordination at the end", [](auto& v) { return fmt::format("{:.2f}", last(v, "coordination")); }},
+      {"bodies shed", [](auto& v) { return fmt::format("{:.0f}", last(v, "shed_bodies")); }},
+      {"mass shed", [](auto& v) { return fmt::format("{:.2f} %", 100.0 * (1.0 - last(v, "remnant_mass_fraction"))); }},
+      {"largest overlap", [](auto& v) { return fmt::format("{:.2f} %", 100.0 * largest(v, "largest_overlap")); }},
+      {"drift of momentum", [](auto& v) { return fmt::format("{:.1e}", last(v, "momentum_drift")); }},
+      {"drift of angular momentum", [](auto& v) { return fmt::format("{:.1e}", last(v, "angular_momentum_drift")); }},
+      {"outcome", [](auto& v) { return v.outcome(); }},
+  };
+  return table;
+}
+
+}  // namespace
+
+void print_summary(const std::vector<std::filesystem::path>& files) {
+  std::vector<ResultView> views;
+  for (const auto& file : files) views.emplace_back(file);
+  std::size_t width = 12;
+  for (const auto& file : files) width = std::max(width, file.stem().string().size() + 2);
+  fmt::print("{:<28}", "");
+  for (const auto& file : files) fmt::print("{:>{}}", file.stem().string(), width + 8);
+  fmt::print("\n");
+  for (const Row& row : rows()) {
+    fmt::print("{:<28}", row.name);
+    for (const ResultView& view : views) fmt::print("{:>{}}", row.value(view), width + 8);
+    fmt::print("\n");
+  }
+}
+
+void print_phase_times(const Run& run, double seconds, std::uint64_t steps) {
+  const PhaseTimes& times = run.times();
+  const double counted = std::accumulate(times.begin(), times.end(), 0.0);
+  fmt::print("{} steps in {:.1f} s: {:.2f} million sphere-steps per second\n", steps, seconds,
+             1e-6 * static_cast<double>(steps) * static_cast<double>(run.sphere_count()) / seconds);
+  for (std::size_t k = 0; k < times.size(); ++k)
+    fmt::print("  {:<10}{:>9.2f} s {:>6.1f} %\n", kPhaseNames[k], times[k], 100.0 * times[k] / std::max(counted, 1e-9));
+}
+
+void add_summary_command(CLI::App& app) {
+  auto files = std::make_shared<std::vector<std::filesystem::path>>();
+  CLI::App* command = app.add_subcommand("summary", "the numbers of runs, side by side");
+  command->add_option("results", *files, "result files")->required();
+  command->callback([files] { print_summary(*files); });
+}
+
+}  // namespace cairn

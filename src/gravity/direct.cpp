@@ -1,0 +1,73 @@
+#include "gravity/direct.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/parallel.h"
+
+namespace cairn::gravity {
+
+namespace {
+
+constexpr std::size_t kTargets = 64;    // targets of one task: their sums fit the first-level cache
+constexpr std::size_t kSources = 1024;  // sources of one pass: theirs stay in the second-level cache
+
+std::size_t whole_packs_below(std::size_t i) {
+  return i / kLanes * kLanes;
+}
+
+// Sources [begin, end) on one tile; only the packs that hold some point of the tile's groups,
+// [near_begin, near_end), compare group numbers.
+template <bool with_potential>
+void attract_around(const PointArrays& a, std::size_t target, std::size_t begin, std::size_t end,
+                    std::size_t near_begin, std::size_t near_end, PairSum* sums) {
+  const std::size_t b = std::clamp(near_begin, begin, end), e = std::clamp(near_end, begin, end);
+  attract<with_potential, false>(a, target, a, begin, b, sums);
+  attract<with_potential, true>(a, target, a, b, e, sums);
+  attract<with_potential, false>(a, target, a, e, end, sums);
+}
+
+template <bool with_potential>
+void sum_block(const Points& points, const PointArrays& a, std::size_t begin, std::size_t end,
+               std::span<Vec3> acceleration, std::span<double> potential) {
+  const std::size_t n = points.size();
+  std::array<PairSum, kTargets> sums{};
+  for (std::size_t from = 0; from < n; from += kSources) {
+    const std::size_t to = std::min(from + kSources, n);
+    for (std::size_t i = begin; i < end; i += kTile) {
+      const std::size_t last = std::min(i + kTile, n) - 1;
+      const auto g0 = static_cast<std::size_t>(a.group[i]), g1 = static_cast<std::size_t>(a.group[last]);
+      // A group of one point is left out by its zero distance.
+      const bool alone = points.first[g1 + 1] - points.first[g0] == last + 1 - i && g1 - g0 == last - i;
+      const std::size_t near_begin = alone ? n : whole_packs_below(points.first[g0]);
+      const std::size_t near_end = alone ? n : whole_packs_below(points.first[g1 + 1] + kLanes - 1);
+      attract_around<with_potential>(a, i, from, to, near_begin, near_end, &sums[i - begin]);
+    }
+  }
+  for (std::size_t i = begin; i < end; ++i) {
+    const PairSum& s = sums[i - begin];
+    acceleration[i] = kGravitationalConstant * Vec3(sum(s.x), sum(s.y), sum(s.z));
+    if constexpr (with_potential) potential[i] = -kGravitationalConstant * sum(s.potential);
+  }
+}
+
+}  // namespace
+
+void DirectSum::evaluate(const Points& points, std::span<Vec3> acceleration, std::span<double> potential) {
+  check(points);
+  arrays_.resize(points.size());
+  for (std::size_t g = 0; g < points.groups(); ++g) {
+    for (std::size_t i = points.first[g]; i < points.first[g + 1]; ++i) {
+      arrays_.set(i, points.positions[i], points.masses[i], static_cast<double>(g));
+    }
+  }
+  parallel_blocks(points.size(), kTargets, [&](std::size_t begin, std::size_t end) {
+    if (potential.empty()) {
+      sum_block<false>(points, arrays_, begin, end, acceleration, potential);
+    } else {
+      sum_block<true>(points, arrays_, begin, end, acceleration, potential);
+    }
+  });
+}
+
+}  // namespace cairn::gravity

@@ -1,0 +1,195 @@
+// What the walk does to a cell in the fast multipole method.
+#pragma once
+
+#include <algorithm>
+
+#include "core/parallel.h"
+#include "gravity/expansion.h"
+#include "gravity/tree.h"
+
+namespace cairn::gravity {
+
+/// Multipoles of every cell, upwards from the leaves. `full` has Indices::kAll numbers a cell, `reduced`
+/// Indices::kReduced and one row of zeros more.
+template <int order>
+void gather_multipoles(const Tree& tree, std::vector<double>& full, std::vector<double>& reduced) {
+  using I = Indices<order>;
+  full.assign(tree.cells() * I::kAll, 0.0);
+  reduced.resize((tree.cells() + 1) * I::kReduced);
+  std::fill_n(reduced.end() - I::kReduced, I::kReduced, 0.0);
+  const PointArrays& p = tree.points();
+  const auto gather = [&](std::size_t cell) {
+    const Cell& c = tree[cell];
+    double* moments = &full[cell * I::kAll];
+    if (tree.leaf(cell)) {
+      std::array<Pack, I::kAll> sums{};
+      for (std::size_t i = tree.begin(cell); i < tree.end(cell); i += kLanes) {
+        const Pack mass = head(tree.end(cell) - i) * load(&p.mass[i]);
+        const auto w =
+            powers<order>(spread(c.centre.x()) - load(&p.x[i]), spread(c.centre.y()) - load(&p.y[i]),
+                          spread(c.centre.z()) - load(&p.z[i]));
+        for (std::size_t n = 0; n < w.size(); ++n) sums[n] = fma(mass, w[n], sums[n]);
+      }
+      for (std::size_t n = 0; n < sums.size(); ++n) moments[n] = sum(sums[n]);
+    } else {
+      for (int k = 0; k < 2; ++k) {
+        const std::size_t child = Tree::child(cell, k);
+        const Vec3 d = tree[child].centre - c.centre;
+        shift_multipole<order>(&full[child * I::kAll], d.x(), d.y(), d.z(), moments);
+      }
+    }
+    reduce_multipole<order>(moments, &reduced[cell * I::kReduced]);
+  };
+  for (unsigned level = tree.depth() + 1; level-- > 0;) {
+    const std::size_t first = (std::size_t{1} << level) - 1;
+    parallel_blocks(first + 1, std::max<std::size_t>(1, (first + 1) / 64),
+                    [&](std::size_t begin, std::size_t end) {
+                      for (std::size_t c = begin; c < end; ++c) gather(first + c);
+                    });
+  }
+}
+
+/// The kernel of the walk; adds nothing to the state but the results of finished leaves.
+template <int order>
+class FmmKernel {
+ public:
+  using I = Indices<order>;
+  using Local = std::array<double, I::kAll>;
+  using List = std::vector<std::uint32_t>;
+  struct Scratch {
+    PointArrays near, mixed;
+  };
+
+  FmmKernel(const Tree& tree, const std::vector<double>& reduced, std::span<Vec3> acceleration,
+            std::span<double> potential)
+      : tree_(tree), reduced_(reduced), acceleration_(acceleration), potential_(potential) {}
+
+  Local descend(std::size_t cell, const Local& parent, const List& far, Scratch&) const {
+    Local local{};
+    const Vec3 centre = tree_[cell].centre;
+    if (cell > 0) {
+      const Vec3 d = centre - tree_[Tree::parent(cell)].centre;
+      shift_local<order>(parent.data(), d.x(), d.y(), d.z(), local.data());
+    }
+    if (far.empty()) return local;
+    std::array<Pack, I::kReduced> sums{};
+    for (std::size_t i = 0; i < far.size(); i += kLanes) meet_far(centre, far, i, sums);
+    std::array<double, I::kReduced> total;
+    for (std::size_t n = 0; n < total.size(); ++n) total[n] = sum(sums[n]);
+    add_expanded<order>(total.data(), local.data());
+    return local;
+  }
+
+  void finish(std::size_t leaf, const Local& local, const List& near, const List& mixed, Scratch& s) const {
+    if (potential_.empty()) {
+      finish_leaf<false>(leaf, local, near, mixed, s);
+    } else {
+      finish_leaf<true>(leaf, local, near, mixed, s);
+    }
+  }
+
+ private:
+  // Adds the expansions of far[i], ..., one to a lane; lanes past the end read the row of zeros.
+  void meet_far(const Vec3& centre, const List& far, std::size_t i,
+                std::array<Pack, I::kReduced>& sums) const {
+    Pack x, y, z;
+    const double* rows[kLanes];
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const std::size_t k = i + static_cast<std::size_t>(lane);
+      const std::size_t source = far[std::min(k, far.size() - 1)];
+      const Vec3 d = centre - tree_[source].centre;
+      x[lane] = d.x();
+      y[lane] = d.y();
+      z[lane] = d.z();
+      rows[lane] = &reduced_[(k < far.size() ? source : tree_.cells()) * I::kReduced];
+    }
+    std::array<Pack, I::kReduced> m;
+    for (std::size_t n = 0; n < m.size(); ++n) {
+      for (int lane = 0; lane < kLanes; ++lane) m[n][lane] = rows[lane][n];
+    }
+    const Pack square = fma(x, x, fma(y, y, z * z));
+    const InversePowers w = inverse_powers<true>(greater(square, Pack{}), square, spread(1.0));
+    std::array<Pack, I::kAll> d;
+    derivatives<order>(x, y, z, w.first, w.third, d);
+    unroll<I::kReduced>([&](auto at) {
+      constexpr int n = at;
+      Pack total = sums[n];
+      unroll<I::kReduced>([&](auto other) {
+        constexpr int k = other;
+        if constexpr (I::at(n).degree() + I::at(k).degree() <= order)
+          total = fma(d[I::sum(n, k)], m[k], total);
+      });
+      sums[n] = total;
+    });
+  }
+
+  // Copies the points of cells one after the other; returns how many there are.
+  std::size_t copy(const List& cells, PointArrays& to) const {
+    std::size_t count = 0;
+    for (const std::uint32_t c : cells) count += tree_.end(c) - tree_.begin(c);
+    to.resize(count);
+    const PointArrays& from = tree_.points();
+    std::size_t next = 0;
+    for (const std::uint32_t c : cells) {
+      for (std::size_t i = tree_.begin(c); i < tree_.end(c); ++i, ++next) {
+        to.x[next] = from.x[i];
+        to.y[next] = from.y[i];
+        to.z[next] = from.z[i];
+        to.mass[next] = from.mass[i];
+        to.group[next] = from.group[i];
+      }
+    }
+    return count;
+  }
+
+  template <bool with_potential>
+  void finish_leaf(std::size_t leaf, const Local& local, const List& near, const List& mixed,
+                   Scratch& s) const {
+    const std::size_t begin = tree_.begin(leaf), end = tree_.end(leaf);
+    const std::size_t near_count = copy(near, s.near), mixed_count = copy(mixed, s.mixed);
+    const PointArrays& p = tree_.points();
+    for (std::size_t i = begin; i < end; i += kTile) {
+      PairSum sums[kTile]{};
+      attract<with_potential, false>(p, i, s.near, 0, near_count, sums);
+      attract<with_potential, true>(p, i, s.mixed, 0, mixed_count, sums);
+      for (std::size_t k = 0; k < kTile && i + k < end; ++k) {
+        const std::size_t to = tree_.original(i + k);
+        acceleration_[to] = kGravitationalConstant * Vec3(sum(sums[k].x), sum(sums[k].y), sum(sums[k].z));
+        if constexpr (with_potential) potential_[to] = -kGravitationalConstant * sum(sums[k].potential);
+      }
+    }
+    add_local<with_potential>(leaf, local);
+  }
+
+  // The far field of the leaf's points, a pack of them at a time.
+  template <bool with_potential>
+  void add_local(std::size_t leaf, const Local& local) const {
+    const PointArrays& p = tree_.points();
+    const Vec3 c = tree_[leaf].centre;
+    for (std::size_t i = tree_.begin(leaf); i < tree_.end(leaf); i += kLanes) {
+      const auto w = powers<order>(load(&p.x[i]) - spread(c.x()), load(&p.y[i]) - spread(c.y()),
+                                   load(&p.z[i]) - spread(c.z()));
+      Pack field[3]{}, value{};
+      unroll<I::kAll>([&](auto at) {
+        constexpr int n = at;
+        if constexpr (with_potential) value = fma(w[n], spread(local[n]), value);
+        if constexpr (I::at(n).degree() < order) {
+          for (int k = 0; k < 3; ++k)
+            field[k] = fma(w[n], spread(local[static_cast<std::size_t>(I::raise(n, k))]), field[k]);
+        }
+      });
+      for (std::size_t k = 0; k < kLanes && i + k < tree_.end(leaf); ++k) {
+        const std::size_t to = tree_.original(i + k);
+        acceleration_[to] += kGravitationalConstant * Vec3(field[0][k], field[1][k], field[2][k]);
+        if constexpr (with_potential) potential_[to] -= kGravitationalConstant * value[k];
+      }
+    }
+  }
+
+  const Tree& tree_;
+  const std::vector<double>& reduced_;
+  std::span<Vec3> acceleration_;
+  std::span<double> potential_;
+};
+
+}  // namespace cairn::gravity

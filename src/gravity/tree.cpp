@@ -1,0 +1,166 @@
+#include "gravity/tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/parallel.h"
+
+namespace cairn::gravity {
+
+void Tree::build(const Points& points, std::size_t leaf_size) {
+  const std::size_t n = points.size();
+  depth_ = 0;
+  while ((leaf_size << depth_) < n) ++depth_;
+  items_.resize(n);
+  arrays_.resize(n);
+  cells_.resize(cells());
+  groups_.resize(cells());
+  measure_groups(points);
+
+  for (unsigned level = 0; level < depth_; ++level) {
+    const std::size_t first = (std::size_t{1} << level) - 1;
+    parallel_blocks(first + 1, std::max<std::size_t>(1, (first + 1) / 64),
+                    [&](std::size_t begin, std::size_t end) {
+                      for (std::size_t c = begin; c < end; ++c) halve(first + c);
+                    });
+  }
+  parallel_for(n, [&](std::size_t i) {
+    const std::size_t k = items_[i].index;
+    arrays_.set(i, points.positions[k], points.masses[k], items_[i].group);
+  });
+  // Upwards, as the groups of a cell are merged from those of its children.
+  for (unsigned level = depth_ + 1; level-- > 0;) {
+    const std::size_t first = (std::size_t{1} << level) - 1;
+    parallel_blocks(first + 1, std::max<std::size_t>(1, (first + 1) / 64),
+                    [&](std::size_t begin, std::size_t end) {
+                      for (std::size_t c = begin; c < end; ++c) {
+                        describe(first + c);
+                        relate(first + c);
+                      }
+                    });
+  }
+}
+
+void Tree::measure_groups(const Points& points) {
+  extent_.resize(points.groups());
+  parallel_for(points.groups(), [&](std::size_t g) {
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
+    for (std::size_t i = points.first[g]; i < points.first[g + 1]; ++i) {
+      const Vec3& x = points.positions[i];
+      low = low.cwiseMin(x);
+      high = high.cwiseMax(x);
+      items_[i] = {{x.x(), x.y(), x.z()}, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(g)};
+    }
+    extent_[g] = points.first[g + 1] - points.first[g] > 1 ? (high - low).norm() : 0.0;
+  });
+}
+
+void Tree::halve(std::size_t cell) {
+  const auto from = items_.begin() + static_cast<std::ptrdiff_t>(begin(cell));
+  const auto middle = items_.begin() + static_cast<std::ptrdiff_t>(end(child(cell, 0)));
+  const auto to = items_.begin() + static_cast<std::ptrdiff_t>(end(cell));
+  double low[3], high[3];
+  std::fill_n(low, 3, std::numeric_limits<double>::max());
+  std::fill_n(high, 3, std::numeric_limits<double>::lowest());
+  for (auto item = from; item != to; ++item) {
+    for (int k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], item->x[k]);
+      high[k] = std::max(high[k], item->x[k]);
+    }
+  }
+  int axis = 0;
+  for (int k = 1; k < 3; ++k) {
+    if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
+  }
+  std::nth_element(from, middle, to, [axis](const Item& a, const Item& b) { return a.x[axis] < b.x[axis]; });
+}
+
+void Tree::describe(std::size_t cell) {
+  const std::size_t from = begin(cell), to = end(cell);
+  Cell& c = cells_[cell];
+  c = {Vec3::Zero(), 0.0, 0.0};
+  if (from == to) return;
+  // About one of the points, so that a small cell far from the origin keeps its digits.
+  const Pack x0 = spread(arrays_.x[from]), y0 = spread(arrays_.y[from]), z0 = spread(arrays_.z[from]);
+  Pack mass{}, mx{}, my{}, mz{}, x{}, y{}, z{};
+  for (std::size_t i = from; i < to; i += kLanes) {
+    const Pack live = head(to - i), m = live * load(&arrays_.mass[i]);
+    const Pack dx = live * (load(&arrays_.x[i]) - x0), dy = live * (load(&arrays_.y[i]) - y0),
+               dz = live * (load(&arrays_.z[i]) - z0);
+    mass += m;
+    mx += m * dx;
+    my += m * dy;
+    mz += m * dz;
+    x += dx;
+    y += dy;
+    z += dz;
+  }
+  const double total = sum(mass);
+  const Vec3 offset = total > 0.0 ? Vec3(Vec3(sum(mx), sum(my), sum(mz)) / total)
+                                  : Vec3(Vec3(sum(x), sum(y), sum(z)) / static_cast<double>(to - from));
+  c.centre = Vec3(arrays_.x[from], arrays_.y[from], arrays_.z[from]) + offset;
+
+  double square = 0.0;
+  const Pack cx = spread(c.centre.x()), cy = spread(c.centre.y()), cz = spread(c.centre.z());
+  Pack largest{};
+  for (std::size_t i = from; i < to; i += kLanes) {
+    const Pack dx = load(&arrays_.x[i]) - cx, dy = load(&arrays_.y[i]) - cy, dz = load(&arrays_.z[i]) - cz;
+    const Pack d2 = head(to - i) * fma(dx, dx, fma(dy, dy, dz * dz));
+    largest = d2 > largest ? d2 : largest;
+  }
+  for (int i = 0; i < kLanes; ++i) square = std::max(square, largest[i]);
+  c.radius = std::sqrt(square);
+}
+
+void Tree::relate(std::size_t cell) {
+  CellGroups& own = groups_[cell];
+  std::array<std::uint32_t, 2 * CellGroups::kMost> merged;
+  if (leaf(cell)) {
+    own = {{}, 0, begin(cell) < end(cell) ? items_[begin(cell)].group : CellGroups::kNone};
+    for (std::size_t i = begin(cell); i < end(cell); ++i) {
+      const std::uint32_t g = items_[i].group;
+      if (g != own.only) own.only = CellGroups::kNone;
+      if (extent_[g] == 0.0) continue;
+      cells_[cell].reach = std::max(cells_[cell].reach, extent_[g]);
+      const auto last = merged.begin() + own.count;
+      if (own.count > CellGroups::kMost || std::find(merged.begin(), last, g) != last) continue;
+      merged[own.count++] = g;
+    }
+    if (own.count <= CellGroups::kMost) {
+      std::sort(merged.begin(), merged.begin() + own.count);
+      std::copy_n(merged.begin(), own.count, own.list.begin());
+    }
+    return;
+  }
+  const std::size_t a = child(cell, 0), b = child(cell, 1);
+  const CellGroups &ga = groups_[a], &gb = groups_[b];
+  cells_[cell].reach = std::max(cells_[a].reach, cells_[b].reach);
+  own.only = ga.only == gb.only ? ga.only : CellGroups::kNone;
+  own.count = CellGroups::kMost + 1;
+  if (ga.count > CellGroups::kMost || gb.count > CellGroups::kMost) return;
+  const auto last = std::set_union(ga.list.begin(), ga.list.begin() + ga.count, gb.list.begin(),
+                                   gb.list.begin() + gb.count, merged.begin());
+  const auto count = static_cast<std::size_t>(last - merged.begin());
+  if (count > CellGroups::kMost) return;
+  own.count = static_cast<std::uint32_t>(count);
+  std::copy_n(merged.begin(), count, own.list.begin());
+}
+
+Kinship Tree::kinship(std::size_t a, std::size_t b, double distance) const {
+  const double reach = std::min(cells_[a].reach, cells_[b].reach);
+  // The margin outweighs the rounding of radii and distance.
+  if (reach == 0.0 || (1.0 - 1e-12) * distance - cells_[a].radius - cells_[b].radius > reach) {
+    return Kinship::kStrangers;
+  }
+  const CellGroups &ga = groups_[a], &gb = groups_[b];
+  if (ga.only != CellGroups::kNone && ga.only == gb.only) return Kinship::kSame;
+  if (ga.count > CellGroups::kMost || gb.count > CellGroups::kMost) return Kinship::kMixed;
+  for (std::uint32_t i = 0, j = 0; i < ga.count && j < gb.count;) {
+    if (ga.list[i] == gb.list[j]) return Kinship::kMixed;
+    ga.list[i] < gb.list[j] ? ++i : ++j;
+  }
+  return Kinship::kStrangers;
+}
+
+}  // namespace cairn::gravity

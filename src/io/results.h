@@ -1,0 +1,118 @@
+// The result file of a run: constants, snapshots, time series and the checkpoint, in one HDF5 file.
+//
+//   /                 attributes: format, format_version, finished, outcome, and those given to create()
+//   /<group>          constants: /bodies, /spheres, ...
+//   /snapshots/000000 one group each, attributes time (s) and stage
+//   /series           one dataset per column
+//   /checkpoint       the state to continue from
+//
+// Datasets carry the attributes unit, help and axis. Everything reads with any HDF5 1.10 or newer.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "io/fields.h"
+#include "io/safe_file.h"
+
+namespace cairn {
+
+struct SeriesColumn {
+  std::string name, unit, help;
+};
+
+struct SnapshotInfo {
+  double time = 0.0;  ///< s
+  std::string stage;
+};
+
+/// What is added waits in memory until commit(), which writes all of it or nothing; only then can it be read.
+/// Errors of the file are InputError with one line: file, object, reason. Not for use by several threads at
+/// once.
+class ResultFile {
+ public:
+  /// A new file; nothing is at `path` until the first commit. Checks now that it can be written there, and
+  /// that nothing is there unless `overwrite`. `attributes` holds single values.
+  static ResultFile create(const std::filesystem::path& path, const FieldTable& attributes, bool overwrite);
+  /// For reading only; several processes may, also while another one writes.
+  static ResultFile open(const std::filesystem::path& path);
+  /// For reading and adding; no other process can do the same meanwhile.
+  static ResultFile open_to_continue(const std::filesystem::path& path);
+
+  /// Adds a group of constants; replaces the one of that name.
+  void write_static(const std::string& group, const FieldTable& table);
+  void add_snapshot(double time, const std::string& stage, const FieldTable& table);
+  /// Once, before the first row. A file that has columns already must have the same ones.
+  void declare_series(const std::vector<SeriesColumn>& columns);
+  /// One value per column.
+  void add_series_row(std::span<const double> values);
+
+  /// Writes what was added and replaces the checkpoint. The file is at every moment the old or the new one,
+  /// also if the process is killed. After a failure (a full disk) the old file is untouched, everything added
+  /// is still waiting, and commit may be called again.
+  void commit(const FieldTable& checkpoint);
+  /// The same, but leaves checkpoint, finished and outcome as they are.
+  void commit();
+  /// The last commit of a run: sets finished and `outcome` (one line). A later commit(checkpoint) unsets
+  /// both.
+  void finish(const FieldTable& checkpoint, const std::string& outcome);
+
+  const std::filesystem::path& path() const { return path_; }
+  bool finished() const { return finished_; }
+  const std::string& outcome() const { return outcome_; }
+  /// The committed ones, in order.
+  const std::vector<SnapshotInfo>& snapshots() const { return snapshots_; }
+
+  void read_attributes(const FieldTable& table) const;
+  bool has_group(const std::string& group) const;
+  void read_static(const std::string& group, const FieldTable& table) const;
+  void read_snapshot(std::size_t k, const FieldTable& table) const;
+  bool has_checkpoint() const { return has_group("checkpoint"); }
+  void read_checkpoint(const FieldTable& table) const;
+  const std::vector<SeriesColumn>& series_columns() const { return columns_; }
+  std::vector<double> read_series(const std::string& column) const;
+  /// The datasets directly in a group ("spheres"), or in the group of snapshot k.
+  std::vector<DatasetInfo> list(const std::string& group) const;
+  std::vector<DatasetInfo> list_snapshot(std::size_t k) const;
+
+ private:
+  struct Group {
+    std::string name;
+    std::vector<StoredField> fields;
+  };
+  struct Snapshot {
+    SnapshotInfo info;
+    std::vector<StoredField> fields;
+  };
+
+  ResultFile() = default;
+  static ResultFile load(const std::filesystem::path& path, FileDescriptor file, bool writable);
+  void require_writable() const;
+  void read_index();
+  void read_group(const std::string& group, const FieldTable& table) const;
+  void write(const FieldTable* checkpoint, bool finished, const std::string& outcome);
+  void write_lasting(std::int64_t file, const int& error) const;
+  template <class Work>
+  auto reading(Work&& work) const;
+
+  std::filesystem::path path_;
+  FileDescriptor file_;  ///< the committed file; empty before the first commit, or the one to overwrite
+  bool writable_ = false;
+  bool committed_ = false;  ///< file_ holds this run
+  bool overwrite_ = false;
+
+  std::vector<SnapshotInfo> snapshots_;
+  std::vector<SeriesColumn> columns_;
+  bool series_stored_ = false;
+  bool finished_ = false;
+  std::string outcome_;
+
+  std::vector<StoredField> new_attributes_;
+  std::vector<Group> new_groups_;
+  std::vector<Snapshot> new_snapshots_;
+  std::vector<std::vector<double>> new_series_;  ///< by column
+};
+
+}  // namespace cairn

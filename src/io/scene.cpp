@@ -1,0 +1,156 @@
+#include "io/scene.h"
+
+#include <set>
+
+#include "io/scene_keys.h"
+#include "io/toml_file.h"
+
+namespace cairn {
+namespace {
+
+// What one key alone cannot tell: references between tables, sums, orders and directions.
+class Checks {
+ public:
+  explicit Checks(Scene& scene) : scene_(scene) {}
+
+  void run() {
+    check_materials();
+    for (std::size_t i = 0; i < scene_.clouds.size(); ++i)
+      check_cloud(scene_.clouds[i], fmt::format("cloud[{}]", i));
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i)
+      check_body(scene_.bodies[i], fmt::format("body[{}]", i));
+    for (std::size_t i = 0; i < scene_.planes.size(); ++i)
+      check_plane(scene_.planes[i], fmt::format("plane[{}]", i));
+    check_contact();
+    check_stages();
+    if (scene_.pile.empty() && scene_.clouds.empty() && scene_.bodies.empty())
+      throw error("", "the scene has no bodies; expected 'pile', [[cloud]] or [[body]]");
+  }
+
+ private:
+  template <class... Args>
+  [[nodiscard]] InputError error(const std::string& key, fmt::format_string<Args...> what,
+                                 Args&&... args) const {
+    return scene_.sources.error(key, fmt::format(what, std::forward<Args>(args)...));
+  }
+
+  bool given(const std::string& key) const { return scene_.sources.has(key); }
+
+  void check_materials() {
+    if (scene_.materials.empty()) scene_.materials.push_back({.name = "nominal"});
+    for (const Material& material : scene_.materials)
+      if (!materials_.insert(material.name).second)
+        throw error(fmt::format("material[{}].name", materials_.size()),
+                    "expected a name of its own, found '{}' for a second time", material.name);
+  }
+
+  std::vector<std::string> material_names() const { return {materials_.begin(), materials_.end()}; }
+
+  void check_reference(const std::string& name, const std::string& key) const {
+    if (materials_.contains(name)) return;
+    const std::string near = nearest(name, material_names());
+    throw error(key, "no [[material]] is called '{}'; {}", name,
+                near.empty() ? "expected " + alternatives(material_names())
+                             : fmt::format("did you mean '{}'?", near));
+  }
+
+  void complete_material(std::string& name, const std::string& owner) const {
+    const std::string key = owner + ".material";
+    if (name.empty() && materials_.size() > 1)
+      throw error(key, "missing key; required because there are several materials, expected {}",
+                  alternatives(material_names()));
+    if (name.empty()) name = *materials_.begin();
+    check_reference(name, key);
+  }
+
+  void check_cloud(CloudSpec& cloud, const std::string& key) const {
+    complete_material(cloud.material, key);
+    double weights = 0.0;
+    for (const ShapeChoice& shape : cloud.shapes) weights += shape.weight;
+    if (weights <= 0.0) throw error(key + ".shape", "expected a positive sum of weights, found 0");
+    const bool single = cloud.distribution == SizeDistribution::single;
+    if (single && given(key + ".size_max"))
+      throw error(key + ".size_max", "has no effect with the distribution 'single'");
+    if (!single && !given(key + ".size_max"))
+      throw error(key + ".size_max", "missing key; required unless the distribution is 'single'");
+    if (!single && cloud.size_max < cloud.size)
+      throw error(key + ".size_max", "expected at least the size of {} m, found {}", show(cloud.size),
+                  show(cloud.size_max));
+    if (cloud.distribution != SizeDistribution::power_law && given(key + ".exponent"))
+      throw error(key + ".exponent", "has no effect unless the distribution is 'power_law'");
+  }
+
+  void check_body(BodySpec& body, const std::string& key) const {
+    complete_material(body.material, key);
+    body.orientation.coeffs() = direction<Eigen::Vector4d>(body.orientation.coeffs(), key + ".orientation");
+  }
+
+  void check_plane(PlaneSpec& plane, const std::string& key) const {
+    complete_material(plane.material, key);
+    plane.normal = direction<Vec3>(plane.normal, key + ".normal");
+  }
+
+  // A vector so short that its direction may be round-off counts as zero.
+  template <class V>
+  V direction(const V& vector, const std::string& key) const {
+    constexpr double shortest = 1e-9;
+    if (vector.norm() < shortest) throw error(key, "expected a vector other than zero");
+    return vector.normalized();
+  }
+
+  void check_contact() const {
+    const ContactSpec& contact = scene_.contact;
+    if (contact.overlap_limit < contact.max_overlap)
+      throw error(given("contact.overlap_limit") ? "contact.overlap_limit" : "contact.max_overlap",
+                  "expected max_overlap <= overlap_limit, found {} and {}", show(contact.max_overlap),
+                  show(contact.overlap_limit));
+  }
+
+  void check_stages() const {
+    std::set<std::string> names;
+    for (const StageSpec& stage : scene_.stages) {
+      const std::string key = fmt::format("stage[{}]", names.size());
+      if (!names.insert(stage.name).second)
+        throw error(key + ".name", "expected a name of its own, found '{}' for a second time", stage.name);
+      if (!stage.material.empty()) check_reference(stage.material, key + ".material");
+      if (stage.spin) check_path(stage.spin->path, key + ".spin.path");
+    }
+  }
+
+  void check_path(const std::vector<SpinPoint>& path, const std::string& key) const {
+    if (path.empty()) throw error(key, "expected at least one pair [time, period]");
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      const std::string point = fmt::format("{}[{}]", key, i);
+      if (path[i].period <= 0.0)
+        throw error(point, "expected a period above 0 s, found {}", show(path[i].period));
+      if (i > 0 && path[i].time <= path[i - 1].time)
+        throw error(point, "expected a time after {} s, found {}", show(path[i - 1].time),
+                    show(path[i].time));
+    }
+  }
+
+  Scene& scene_;
+  std::set<std::string> materials_;  // their names
+};
+
+}  // namespace
+
+Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& directory) {
+  Scene scene;
+  scene.sources = read_options(text, name, scene_keys(), scene);
+  scene.text = text;
+  scene.directory = directory;
+  Checks(scene).run();
+  return scene;
+}
+
+Scene load_scene(const std::filesystem::path& path) {
+  const std::filesystem::path directory = path.has_parent_path() ? path.parent_path() : ".";
+  return parse_scene(read_text_file(path), path.string(), directory);
+}
+
+std::string scene_reference() {
+  return reference(scene_keys().infos);
+}
+
+}  // namespace cairn

@@ -1,0 +1,177 @@
+#include "io/scene_keys.h"
+
+namespace cairn {
+namespace {
+
+// Bounds keep honest scenes in and products of a few such numbers far from overflow.
+constexpr Bounds kName = within(1, 64);
+constexpr Bounds kReference = within(0, 64);
+constexpr Bounds kPath = within(1, 4096);
+constexpr Bounds kPosition = magnitude(1e15);
+constexpr Bounds kVelocity = magnitude(3e8);
+constexpr Bounds kSize = within(1e-9, 1e9);
+constexpr Bounds kDensity = above(0, 1e9);
+constexpr Bounds kFraction = within(0, 1);
+constexpr Bounds kCoefficient = within(0, 1e6);
+constexpr Bounds kTime = within(0, 1e15);
+constexpr Bounds kDuration = above(0, 1e15);
+constexpr Bounds kStiffness = above(0, 1e20);
+
+const char* const kMaterialHelp =
+    "name of a [[material]]; may be left out when there is one, or none (then the nominal material is used)";
+
+const Keys<ShapeChoice> kShapeKeys = {
+    text("shape", &ShapeChoice::shape, kPath, "library name, or path of a shape file").required(),
+    number("weight", &ShapeChoice::weight, "", within(0, 1e12), "relative number of bodies of this shape"),
+};
+
+const Keys<CloudSpec> kCloudKeys = {
+    tables("shape", &CloudSpec::shapes, kShapeKeys, "One shape of the mixture.").required(),
+    integer("count", &CloudSpec::count, "", within(1, 10'000'000), "number of bodies").required(),
+    number("filling", &CloudSpec::filling, "", above(0, 0.2),
+           "volume of the bodies' bounding spheres over the volume of the ball"),
+    choice("distribution", &CloudSpec::distribution,
+           {{"single", SizeDistribution::single},
+            {"uniform", SizeDistribution::uniform},
+            {"power_law", SizeDistribution::power_law}},
+           "distribution of the sizes"),
+    number("size", &CloudSpec::size, "m", kSize, "size of every body, or the smallest; scales the shape")
+        .required(),
+    number("size_max", &CloudSpec::size_max, "m", kSize, "the largest size; required unless 'single'"),
+    number("exponent", &CloudSpec::exponent, "", magnitude(20),
+           "power_law only: differential number of bodies ~ size^-exponent"),
+    number("density", &CloudSpec::density, "kg/m^3", kDensity, "density of the bodies' material").required(),
+    text("material", &CloudSpec::material, kReference, kMaterialHelp),
+    vector("position", &CloudSpec::position, "m", kPosition, "centre of the ball"),
+    vector("velocity", &CloudSpec::velocity, "m/s", kVelocity, "velocity of the centre"),
+    number("spin_period", &CloudSpec::spin_period, "s", kTime,
+           "period of a rigid rotation about z through the centre; 0: none"),
+};
+
+const Keys<BodySpec> kBodyKeys = {
+    text("shape", &BodySpec::shape, kPath, "library name, or path of a shape file").required(),
+    number("size", &BodySpec::size, "m", kSize, "scales the shape"),
+    number("density", &BodySpec::density, "kg/m^3", kDensity, "density of the body").required(),
+    text("material", &BodySpec::material, kReference, kMaterialHelp),
+    vector("position", &BodySpec::position, "m", kPosition, "centre of mass"),
+    vector("velocity", &BodySpec::velocity, "m/s", kVelocity, "velocity of the centre of mass"),
+    vector("angular_velocity", &BodySpec::angular_velocity, "rad/s", magnitude(1e9), "in the space frame"),
+    quaternion("orientation", &BodySpec::orientation, magnitude(1e6),
+               "w, x, y, z: rotation from the frame of the shape file to space; any length but zero"),
+};
+
+const Keys<PlaneSpec> kPlaneKeys = {
+    vector("point", &PlaneSpec::point, "m", kPosition, "a point of the plane"),
+    vector("normal", &PlaneSpec::normal, "", magnitude(1e6),
+           "points to the side where the bodies are; any length but zero"),
+    text("material", &PlaneSpec::material, kReference, kMaterialHelp),
+};
+
+const Keys<Material> kMaterialKeys = {
+    text("name", &Material::name, kName, "what other tables call it").required(),
+    number("restitution_normal", &Material::restitution_normal, "", kFraction, "e_n"),
+    number("restitution_tangential", &Material::restitution_tangential, "", kFraction, "e_t"),
+    number("friction", &Material::friction, "", kCoefficient, "mu_S, Coulomb sliding coefficient"),
+    number("friction_rolling", &Material::friction_rolling, "", kCoefficient, "mu_R"),
+    number("friction_twisting", &Material::friction_twisting, "", kCoefficient, "mu_T"),
+    number("shape_factor", &Material::shape_factor, "", within(0, 10),
+           "beta, radius of the contact area over the effective radius"),
+    number("cohesion", &Material::cohesion, "Pa", within(0, 1e15), "c, interparticle tensile strength"),
+};
+
+const Keys<ContactSpec> kContactKeys = {
+    number("stiffness", &ContactSpec::stiffness, "N/m", kStiffness,
+           "normal k_N; chosen by the program when absent"),
+    number("time_step", &ContactSpec::time_step, "s", kDuration, "chosen by the program when absent"),
+    flag("unsafe_time_step", &ContactSpec::unsafe_time_step,
+         "accept a time step longer than the longest safe one"),
+    number("steps_per_contact", &ContactSpec::steps_per_contact, "", within(4, 1e6),
+           "time steps in the shortest contact, for the automatic time step"),
+    number("max_overlap", &ContactSpec::max_overlap, "", above(0, 0.5),
+           "aimed at by the automatic stiffness, over the smallest radius"),
+    number("overlap_limit", &ContactSpec::overlap_limit, "", above(0, 1),
+           "a larger overlap stops the run, over the smaller radius of the pair"),
+    choice("damping_mass", &ContactSpec::damping_mass,
+           {{"bodies", DampingMass::bodies}, {"spheres", DampingMass::spheres}},
+           "effective mass that turns restitution into damping: of the two bodies, or of the two spheres"),
+    choice("rolling_slip", &ContactSpec::rolling_slip,
+           {{"none", RollingSlip::none}, {"zhang2017", RollingSlip::zhang2017}},
+           "sliding term in the rolling velocity: left out, or as printed by Zhang et al. 2017, eq. 8"),
+};
+
+const Keys<GravitySpec> kGravityKeys = {
+    choice("method", &GravitySpec::method,
+           {{"none", GravityMethod::none}, {"direct", GravityMethod::direct}, {"tree", GravityMethod::tree}},
+           "self-gravity: none, the exact pair sum, or the fast method"),
+    number("opening_angle", &GravitySpec::opening_angle, "", above(0, 1),
+           "of the tree; smaller is more accurate"),
+    integer("interval", &GravitySpec::interval, "steps", within(1, 1'000'000), "time steps between renewals"),
+    vector("field", &GravitySpec::field, "m/s^2", magnitude(1e12), "uniform external field"),
+};
+
+const Keys<SpinSpec> kSpinKeys = {
+    pairs("path", &SpinSpec::path, &SpinPoint::time, &SpinPoint::period, "s", kTime,
+          "[time since the start of the stage, spin period]; linear between, times increase")
+        .required(),
+    number("control_interval", &SpinSpec::control_interval, "s", kTime, "between corrections; 0: every step"),
+    choice("on_failure", &SpinSpec::on_failure, {{"release", OnFailure::release}, {"keep", OnFailure::keep}},
+           "after failure the pile is left to itself, or the spin stays prescribed"),
+    number("axis_drop", &SpinSpec::axis_drop, "", above(0, 1),
+           "failure is this relative fall of c/a from the start of control"),
+    flag("include_shed", &SpinSpec::include_shed, "also spin bodies that have left the pile"),
+    number("after_failure", &SpinSpec::after_failure, "s", kTime,
+           "the stage ends this long after failure; absent: at its duration"),
+};
+
+const Keys<StageSpec> kStageKeys = {
+    text("name", &StageSpec::name, kName, "of its own").required(),
+    number("duration", &StageSpec::duration, "s", kDuration, "simulated time").required(),
+    text("material", &StageSpec::material, kReference,
+         "name of a [[material]] that replaces every body's during the stage; absent: none does"),
+    number("impact_speed", &StageSpec::impact_speed, "m/s", within(0, 3e8),
+           "for the automatic stiffness; the pile's escape speed when absent"),
+    number("stiffness", &StageSpec::stiffness, "N/m", kStiffness, "replaces contact.stiffness"),
+    number("time_step", &StageSpec::time_step, "s", kDuration, "replaces contact.time_step"),
+    table("spin", &StageSpec::spin, kSpinKeys,
+          "Prescribed spin of the pile about z [Zhang et al. 2021, section 2.3]."),
+};
+
+const Keys<OutputSpec> kOutputKeys = {
+    number("snapshot_interval", &OutputSpec::snapshot_interval, "s", kTime,
+           "of simulated time; 0: only the ends of stages"),
+    number("series_interval", &OutputSpec::series_interval, "s", kTime,
+           "of simulated time; 0: a thousandth of each stage"),
+    number("checkpoint_interval", &OutputSpec::checkpoint_interval, "s", within(1, 1e9),
+           "of wall-clock time"),
+    number("remnant_gap", &OutputSpec::remnant_gap, "", within(0, 1e6),
+           "bodies closer than this times the smallest radius belong together"),
+};
+
+const Keys<Scene> kSceneKeys = {
+    text("title", &Scene::title, within(0, 200), "one line about the scene"),
+    integer("seed", &Scene::seed, "", Bounds{.low = 0}, "of every random number"),
+    choice("mass_model", &Scene::mass_model,
+           {{"union", MassModel::union_volume}, {"spheres", MassModel::spheres}},
+           "glued spheres that overlap: the covered volume counts once, or each sphere fully"),
+    text("pile", &Scene::pile, kPath, "result file whose last snapshot supplies the bodies; absent: none"),
+    tables("cloud", &Scene::clouds, kCloudKeys,
+           "A ball of bodies at random positions and orientations, without overlap."),
+    tables("body", &Scene::bodies, kBodyKeys, "One body put by hand."),
+    tables("plane", &Scene::planes, kPlaneKeys, "A fixed wall."),
+    tables("material", &Scene::materials, kMaterialKeys,
+           "Surface of bodies and walls. A pair takes geometric means, of beta the arithmetic mean."),
+    table("contact", &Scene::contact, kContactKeys, "The contact law and its time step."),
+    table("gravity", &Scene::gravity, kGravityKeys, "Self-gravity and external field."),
+    tables("stage", &Scene::stages, kStageKeys,
+           "A stretch of the run with its own settings; stages follow each other.")
+        .required(),
+    table("output", &Scene::output, kOutputKeys, "What is written, and how often."),
+};
+
+}  // namespace
+
+const Keys<Scene>& scene_keys() {
+  return kSceneKeys;
+}
+
+}  // namespace cairn

@@ -1,0 +1,75 @@
+#include "shape/library.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+
+#include "core/error.h"
+#include "shape/shape_file.h"
+#include "shape/suggest.h"
+
+namespace cairn {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path library_directory() {
+  const char* chosen = std::getenv("CAIRN_SHAPES");
+  return chosen && *chosen ? chosen : CAIRN_SHAPES_DIR;
+}
+
+// The whole of a regular file: anything else (a directory, a pipe) might never end.
+std::string read_text(const fs::path& path) {
+  constexpr std::size_t most = std::size_t{64} << 20;
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) throw InputError("{}: expected a shape file, found none", path.string());
+  if (!fs::is_regular_file(status))
+    throw InputError("{}: expected a shape file, not a directory or device", path.string());
+  std::ifstream file(path, std::ios::binary);
+  std::string text;
+  std::vector<char> chunk(1 << 16);
+  while (file && text.size() <= most) {
+    file.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
+    text.append(chunk.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  if (text.size() > most) throw InputError("{}: expected a shape file of at most 64 MB", path.string());
+  if (!file.eof()) throw InputError("{}: cannot be read", path.string());
+  return text;
+}
+
+bool is_path(const std::string& name) {
+  return name.find('/') != std::string::npos || name.ends_with(".toml");
+}
+
+fs::path library_file(const std::string& name) {
+  const fs::path path = library_directory() / (name + ".toml");
+  std::error_code error;
+  if (!name.empty() && fs::exists(path, error)) return path;
+  const std::vector<std::string> names = library_names();
+  const std::string nearest = nearest_name(name.substr(0, 100), names);
+  throw InputError("shape '{}': not in the library {}: {}", name, library_directory().string(),
+                   nearest.empty() ? fmt::format("expected one of {}", fmt::join(names, ", "))
+                                   : fmt::format("did you mean '{}'?", nearest));
+}
+
+}  // namespace
+
+std::vector<std::string> library_names() {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator entry(library_directory(), error), end; !error && entry != end;
+       entry.increment(error))
+    if (entry->path().extension() == ".toml") names.push_back(entry->path().stem().string());
+  if (error)
+    throw InputError("{}: cannot list the shape library: {}", library_directory().string(), error.message());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+Shape load_shape(const std::string& name_or_path, const fs::path& base) {
+  const fs::path path = is_path(name_or_path) ? base / name_or_path : library_file(name_or_path);
+  return parse_shape(read_text(path), path.string());
+}
+
+}  // namespace cairn

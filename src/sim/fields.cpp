@@ -1,0 +1,124 @@
+#include "sim/fields.h"
+
+#include <cmath>
+
+#include "core/error.h"
+
+namespace cairn {
+
+void ContactColumns::assign(const std::vector<ContactRecord>& records) {
+  *this = ContactColumns{};
+  for (const ContactRecord& r : records) {
+    const ContactMemory<double>& m = r.memory;
+    i.push_back(r.i);
+    j.push_back(r.j);
+    c_n.push_back(m.c_n);
+    c_s.push_back(m.c_s);
+    slide.emplace_back(m.slide.x, m.slide.y, m.slide.z);
+    roll.emplace_back(m.roll.x, m.roll.y, m.roll.z);
+    twist.push_back(m.twist);
+  }
+}
+
+std::vector<ContactRecord> ContactColumns::records() const {
+  std::vector<ContactRecord> out;
+  for (std::size_t k = 0; k < i.size(); ++k)
+    out.push_back({i[k], j[k],
+                   {.c_n = c_n[k],
+                    .c_s = c_s[k],
+                    .slide = {slide[k].x(), slide[k].y(), slide[k].z()},
+                    .roll = {roll[k].x(), roll[k].y(), roll[k].z()},
+                    .twist = twist[k]}});
+  return out;
+}
+
+FieldTable ContactColumns::table(const std::string& prefix) {
+  return {{prefix + "i", "", "sphere", &i, prefix},
+          {prefix + "j", "", "sphere, or wall", &j, prefix},
+          {prefix + "damping_normal", "kg/s", "C_N, from the effective mass at first touch", &c_n, prefix},
+          {prefix + "damping_tangential", "kg/s", "C_S", &c_s, prefix},
+          {prefix + "slide", "m", "tangential spring", &slide, prefix},
+          {prefix + "roll", "rad", "rolling spring", &roll, prefix},
+          {prefix + "twist", "rad", "twisting spring", &twist, prefix}};
+}
+
+FieldTable body_constants(Bodies& b) {
+  return {{"mass", "kg", "mass", &b.mass, "body"},
+          {"inertia", "kg m^2", "principal moments of inertia", &b.inertia, "body"},
+          {"shape", "", "index into /shapes", &b.shape, "body"},
+          {"size", "m", "reference radius that scales the shape", &b.length, "body"},
+          {"material", "", "index into /materials", &b.material, "body"},
+          {"first_sphere", "", "spheres of body b: first_sphere[b] to first_sphere[b+1]", &b.first_sphere, ""}};
+}
+
+FieldTable sphere_constants(Bodies& b) {
+  Spheres& s = b.spheres;
+  return {{"radius", "m", "radius", &s.radius, "sphere"},
+          {"mass", "kg", "mass that gravity pulls", &s.mass, "sphere"},
+          {"offset", "m", "centre in the principal frame of its body", &s.offset, "sphere"},
+          {"body", "", "body it belongs to", &s.body, "sphere"}};
+}
+
+FieldTable motion_fields(Bodies& b) {
+  return {{"position", "m", "centre of mass", &b.position, "body"},
+          {"velocity", "m/s", "of the centre of mass", &b.velocity, "body"},
+          {"orientation", "", "quaternion w, x, y, z: principal frame to space", &b.orientation, "body"},
+          {"angular_momentum", "kg m^2/s", "about the centre of mass", &b.spin, "body"}};
+}
+
+FieldTable checkpoint_fields(State& s, ContactColumns& contacts, ContactColumns& walls) {
+  FieldTable table = motion_fields(s.bodies);
+  const auto add = [&](const FieldTable& more) { table.insert(table.end(), more.begin(), more.end()); };
+  add({{"force", "N", "of the last evaluation", &s.bodies.force, "body"},
+       {"torque", "N m", "of the last evaluation, about the centre of mass", &s.bodies.torque, "body"},
+       {"remnant", "", "1: part of the largest remnant", &s.remnant, "body"},
+       {"gravity/force", "N", "self-gravity when last renewed", &s.gravity.force, ""},
+       {"gravity/torque", "N m", "self-gravity when last renewed", &s.gravity.torque, ""},
+       {"gravity/time", "s", "of the last renewal", &s.gravity.time},
+       {"gravity/omega", "rad/s", "angular velocity of the pile then", &s.gravity.omega},
+       {"clock/stage", "", "number of the stage", &s.clock.stage},
+       {"clock/step", "", "steps done in the stage", &s.clock.step},
+       {"clock/steps", "", "steps of the stage", &s.clock.steps},
+       {"clock/total_steps", "", "steps done in all", &s.clock.total_steps},
+       {"clock/stage_start", "s", "time at the start of the stage", &s.clock.stage_start},
+       {"clock/dt", "s", "time step", &s.clock.dt},
+       {"control/active", "", "spin control is on", &s.control.active},
+       {"control/failed", "", "the pile has failed", &s.control.failed},
+       {"control/failure_time", "s", "time of failure", &s.control.failure_time},
+       {"control/failure_period", "s", "spin period at failure", &s.control.failure_period},
+       {"control/shortest_period", "s", "shortest period held; 0: none", &s.control.shortest_period},
+       {"control/start_ratio", "", "c/a when control began", &s.control.start_ratio},
+       {"ledger/dissipated", "J", "work lost in contacts", &s.ledger.dissipated},
+       {"ledger/control_work", "J", "work done by spin control", &s.ledger.control_work},
+       {"ledger/control_momentum", "kg m^2/s", "angular momentum given by spin control", &s.ledger.control_momentum},
+       {"ledger/largest_overlap", "", "over the smaller radius of its pair", &s.ledger.largest_overlap},
+       {"ledger/recent_overlap", "", "the same since the last row of the series", &s.ledger.recent_overlap},
+       {"ledger/start_momentum", "kg m/s", "total at the start", &s.ledger.start_momentum},
+       {"ledger/start_angular_momentum", "kg m^2/s", "total at the start, about the mass centre",
+        &s.ledger.start_angular_momentum},
+       {"stiffness", "N/m", "normal stiffness of the stage", &s.k_n}});
+  add(contacts.table("contacts/"));
+  add(walls.table("walls/"));
+  return table;
+}
+
+void complete_bodies(Bodies& b) {
+  const std::size_t n = b.mass.size(), spheres = b.spheres.radius.size();
+  if (n == 0 || b.first_sphere.size() != n + 1 || b.first_sphere.front() != 0 || b.first_sphere.back() != spheres)
+    throw InputError("bodies/first_sphere: expected {} increasing entries from 0 to the number of spheres", n + 1);
+  for (std::size_t k = 0; k < n; ++k) {
+    if (b.first_sphere[k] >= b.first_sphere[k + 1])
+      throw InputError("bodies/first_sphere: expected increasing entries, found a fall after body {}", k);
+    const bool good = std::isfinite(b.mass[k]) && b.mass[k] > 0.0 && b.inertia[k].allFinite() &&
+                      b.inertia[k].minCoeff() > 0.0;
+    if (!good) throw InputError("bodies/mass, bodies/inertia: expected positive values, body {} has others", k);
+    for (std::uint32_t s = b.first_sphere[k]; s < b.first_sphere[k + 1]; ++s)
+      if (b.spheres.body[s] != k || !(b.spheres.radius[s] > 0.0))
+        throw InputError("spheres/body, spheres/radius: sphere {} does not fit body {}", s, k);
+  }
+  b.force.resize(n, Vec3::Zero());
+  b.torque.resize(n, Vec3::Zero());
+  b.spheres.position.resize(spheres);
+}
+
+}  // namespace cairn

@@ -1,0 +1,158 @@
+#include "sim/observe.h"
+
+#include <cmath>
+#include <limits>
+
+#include "analysis/axes.h"
+#include "analysis/budget.h"
+#include "analysis/fragments.h"
+#include "analysis/spin_state.h"
+#include "motion/spin.h"
+
+namespace cairn {
+
+namespace {
+
+struct Column {
+  double Observation::*value;
+  const char *name, *unit, *help;
+};
+
+using O = Observation;
+constexpr Column kColumns[] = {
+    {&O::time, "time", "s", "since the start of the run"},
+    {&O::stage, "stage", "", "number of the stage, from 0"},
+    {&O::period, "period", "s", "2 pi I_zz / L_z of the largest remnant about its mass centre"},
+    {&O::spin_target, "spin_target", "s", "period asked for by the spin path; NaN without one"},
+    {&O::axis_a, "axis_a", "m", "longest full extent of the remnant along its principal axes"},
+    {&O::axis_b, "axis_b", "m", "middle extent"},
+    {&O::axis_c, "axis_c", "m", "shortest extent"},
+    {&O::b_over_a, "b_over_a", "", "axis ratio of the remnant"},
+    {&O::c_over_a, "c_over_a", "", "axis ratio of the remnant"},
+    {&O::all_b_over_a, "all_b_over_a", "", "axis ratio of all bodies together"},
+    {&O::all_c_over_a, "all_c_over_a", "", "axis ratio of all bodies together"},
+    {&O::wobble, "wobble", "rad", "angle between the remnant's axis of largest inertia and its L"},
+    {&O::kinetic, "kinetic_energy", "J", "of the bodies' mass centres"},
+    {&O::rotational, "rotational_energy", "J", "of the bodies about their mass centres"},
+    {&O::gravitational, "gravitational_energy", "J", "between spheres of different bodies"},
+    {&O::elastic, "elastic_energy", "J", "in the springs of the contacts, less the work of cohesion"},
+    {&O::dissipated, "dissipated_work", "J", "lost in contacts since the start"},
+    {&O::control_work, "control_work", "J", "done by spin control since the start"},
+    {&O::momentum_x, "momentum_x", "kg m/s", "total"},
+    {&O::momentum_y, "momentum_y", "kg m/s", "total"},
+    {&O::momentum_z, "momentum_z", "kg m/s", "total"},
+    {&O::angular_x, "angular_momentum_x", "kg m^2/s", "total about the mass centre, spins included"},
+    {&O::angular_y, "angular_momentum_y", "kg m^2/s", "total about the mass centre, spins included"},
+    {&O::angular_z, "angular_momentum_z", "kg m^2/s", "total about the mass centre, spins included"},
+    {&O::momentum_drift, "momentum_drift", "", "|P - P_start| over the sum of |P_b|; NaN with walls or a field"},
+    {&O::angular_drift, "angular_momentum_drift", "",
+     "|L - L_start - given by control| over the sum of |X x P| + |spin|; NaN with walls"},
+    {&O::contacts, "contacts", "", "touching pairs of spheres, walls included"},
+    {&O::coordination, "coordination", "", "2 x sphere contacts / spheres"},
+    {&O::touching_bodies, "touching_bodies", "", "pairs of bodies that touch, each once"},
+    {&O::largest_overlap, "largest_overlap", "", "over the smaller radius of its pair, since the row before"},
+    {&O::remnant_mass_fraction, "remnant_mass_fraction", "", "mass of the largest remnant over all"},
+    {&O::shed_bodies, "shed_bodies", "", "bodies that are not part of the largest remnant"},
+    {&O::fragments, "fragments", "", "groups of connected bodies"},
+    {&O::control_active, "control_active", "", "1 while the spin is controlled"},
+};
+
+std::size_t touching_body_pairs(const State& state) {
+  std::vector<std::uint64_t> pairs;
+  const auto& body = state.bodies.spheres.body;
+  for (std::size_t slot = 0; slot < state.contacts.slots(); ++slot)
+    if (state.contacts.touching(slot)) {
+      const Pair& p = state.contacts.pair(slot);
+      pairs.push_back(std::uint64_t{body[p.i]} << 32 | body[p.j]);  // i < j, so body i < body j
+    }
+  std::sort(pairs.begin(), pairs.end());
+  return static_cast<std::size_t>(std::unique(pairs.begin(), pairs.end()) - pairs.begin());
+}
+
+void observe_remnant(State& state, double link_gap, Observation& o) {
+  const Bodies& bodies = state.bodies;
+  const Fragments fragments = find_fragments(bodies, link_gap);
+  const std::vector<std::uint32_t> remnant = fragments.members(0);
+  state.remnant.assign(bodies.size(), 0);
+  for (std::uint32_t b : remnant) state.remnant[b] = 1;
+
+  const SpinState spin = spin_state(bodies, remnant);
+  const AxisLengths axes = axis_lengths(bodies, remnant);
+  const AxisLengths all = axis_lengths(bodies, all_bodies(bodies));
+  double mass = 0.0;
+  for (double m : fragments.mass) mass += m;
+  o.period = spin_period(spin, Vec3::UnitZ());
+  o.wobble = wobble(spin);
+  o.axis_a = axes.a;
+  o.axis_b = axes.b;
+  o.axis_c = axes.c;
+  o.b_over_a = axes.b_over_a();
+  o.c_over_a = axes.c_over_a();
+  o.all_b_over_a = all.b_over_a();
+  o.all_c_over_a = all.c_over_a();
+  o.remnant_mass_fraction = fragments.mass[0] / mass;
+  o.shed_bodies = static_cast<double>(bodies.size() - remnant.size());
+  o.fragments = static_cast<double>(fragments.size());
+}
+
+}  // namespace
+
+std::vector<SeriesColumn> series_columns() {
+  std::vector<SeriesColumn> out;
+  for (const Column& c : kColumns) out.push_back({c.name, c.unit, c.help});
+  return out;
+}
+
+std::vector<double> row(const Observation& observation) {
+  std::vector<double> out;
+  for (const Column& c : kColumns) out.push_back(observation.*c.value);
+  return out;
+}
+
+Observation observe(const Physics& physics, State& state, Scratch& scratch, double link_gap) {
+  const Bodies& bodies = state.bodies;
+  Ledger& ledger = state.ledger;
+  Observation o;
+  o.time = state.clock.time();
+  o.stage = static_cast<double>(state.clock.stage);
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  o.spin_target = physics.spin ? period_at(physics.spin->path, state.clock.stage_time()) : none;
+  observe_remnant(state, link_gap, o);
+
+  const Budget total = budget(bodies);
+  o.kinetic = total.translational_energy;
+  o.rotational = total.rotational_energy;
+  o.gravitational = gravitational_energy(physics, bodies, scratch);
+  o.elastic = stored_energy(bodies, physics.contacts, state.contacts) +
+              state.walls.stored_energy(bodies, physics.contacts);
+  o.dissipated = ledger.dissipated;
+  o.control_work = ledger.control_work;
+  const Vec3& p = total.momentum;
+  const Vec3& l = total.angular_momentum_about_center;
+  o.momentum_x = p.x();
+  o.momentum_y = p.y();
+  o.momentum_z = p.z();
+  o.angular_x = l.x();
+  o.angular_y = l.y();
+  o.angular_z = l.z();
+  const bool walls = !state.walls.planes.empty();
+  const auto relative = [](double drift, double scale) { return scale > 0.0 ? drift / scale : drift; };
+  o.momentum_drift = walls || physics.field != Vec3::Zero()
+                         ? none
+                         : relative((p - ledger.start_momentum).norm(), total.momentum_scale);
+  o.angular_drift = walls ? none
+                          : relative((l - ledger.start_angular_momentum - ledger.control_momentum).norm(),
+                                     total.angular_scale_about_center);
+
+  std::size_t contacts = 0;
+  for (std::size_t slot = 0; slot < state.contacts.slots(); ++slot) contacts += state.contacts.touching(slot);
+  o.coordination = 2.0 * static_cast<double>(contacts) / static_cast<double>(bodies.spheres.size());
+  o.contacts = static_cast<double>(contacts + state.walls.touching());
+  o.touching_bodies = static_cast<double>(touching_body_pairs(state));
+  o.largest_overlap = ledger.recent_overlap;
+  ledger.recent_overlap = 0.0;
+  o.control_active = state.control.active ? 1.0 : 0.0;
+  return o;
+}
+
+}  // namespace cairn

@@ -1,0 +1,208 @@
+#include "sim/run.h"
+
+#include <algorithm>
+
+#include "analysis/budget.h"
+#include "core/error.h"
+#include "core/timer.h"
+#include "io/xdmf.h"
+#include "sim/fields.h"
+
+namespace cairn {
+
+namespace {
+
+constexpr double kWatchInterval = 0.2;  // s of wall-clock time
+
+/// What a damaged or edited file could get wrong.
+void check_checkpoint(const std::filesystem::path& path, const Scene& scene, const State& state) {
+  const std::size_t n = state.bodies.size();
+  const auto fail = [&](const char* what) { throw InputError("{}: checkpoint: {}", path.string(), what); };
+  if (state.bodies.position.size() != n || state.remnant.size() != n) fail("as many poses as bodies expected");
+  if (state.clock.stage >= scene.stages.size()) fail("its stage is not in the scene");
+  const std::size_t held = state.gravity.force.size();
+  if ((held != 0 && held != n) || state.gravity.torque.size() != held) fail("as many held forces as bodies expected");
+  for (std::uint16_t m : state.bodies.material)
+    if (m >= scene.materials.size()) fail("a body's material is not in the scene");
+}
+
+}  // namespace
+
+FieldTable RunAttributes::table() {
+  return {{"title", "", "of the scene", &title},
+          {"scene", "", "text of the scene file", &scene},
+          {"directory", "", "where the scene's relative paths start", &directory},
+          {"version", "", "of the program", &version},
+          {"seed", "", "of the random numbers", &seed}};
+}
+
+Run::Run(Scene scene, Setup setup, ResultFile results) : Run(std::move(scene), std::move(results)) {
+  shapes_ = setup.shapes;
+  inherited_ = std::move(setup.contacts);
+  state_.bodies = std::move(setup.bodies);
+  state_.k_n = setup.k_n;
+  state_.remnant.assign(state_.bodies.size(), 1);
+  prepare_bodies();
+  const Budget total = budget(state_.bodies);
+  state_.ledger.start_momentum = total.momentum;
+  state_.ledger.start_angular_momentum = total.angular_momentum_about_center;
+
+  results_.write_static("bodies", body_constants(state_.bodies));
+  results_.write_static("spheres", sphere_constants(state_.bodies));
+  std::vector<std::string> materials;
+  for (const Material& m : scene_.materials) materials.push_back(m.name);
+  results_.write_static("shapes", {{"name", "", "library name or path", &shapes_}});
+  results_.write_static("materials", {{"name", "", "as in the scene", &materials}});
+  results_.declare_series(series_columns());
+}
+
+void Run::prepare_bodies() {
+  state_.walls.planes = make_planes(scene_);
+  state_.walls.resize(sphere_count());
+  const auto& radii = state_.bodies.spheres.radius;
+  link_gap_ = scene_.output.remnant_gap * *std::min_element(radii.begin(), radii.end());
+  place_spheres(state_.bodies);
+}
+
+Run Run::resume(const std::filesystem::path& path) {
+  ResultFile results = ResultFile::open_to_continue(path);
+  if (results.finished()) throw InputError("{}: the run has finished; nothing to resume", path.string());
+  RunAttributes attributes;
+  results.read_attributes(attributes.table());
+  Run run(parse_scene(attributes.scene, path.string(), attributes.directory), std::move(results));
+  State& state = run.state_;
+  run.results_.read_static("bodies", body_constants(state.bodies));
+  run.results_.read_static("spheres", sphere_constants(state.bodies));
+  run.results_.read_static("shapes", {{"name", "", "", &run.shapes_}});
+  complete_bodies(state.bodies);
+  ContactColumns contacts, walls;
+  run.results_.read_checkpoint(checkpoint_fields(state, contacts, walls));
+  check_checkpoint(path, run.scene_, state);
+  run.results_.declare_series(series_columns());
+  run.prepare_bodies();
+  run.inherited_ = contacts.records();
+  state.walls.restore(walls.records());
+  if (state.clock.steps > 0) {  // within a stage; otherwise it is about to begin
+    run.physics_ = resolve_physics(run.scene_, state.clock.stage, state.bodies, state.k_n);
+    prepare_scratch(run.physics_, state, run.scratch_);
+    state.contacts.restore(run.inherited_);
+  }
+  return run;
+}
+
+void Run::start_stage() {
+  Clock& clock = state_.clock;
+  const double k_n = resolve_stiffness(scene_, clock.stage, state_.bodies);
+  physics_ = resolve_physics(scene_, clock.stage, state_.bodies, k_n);
+  begin_stage(physics_, inherited_, state_, scratch_);
+  clock.steps = physics_.steps;
+  clock.dt = physics_.contacts.dt;
+  Control& control = state_.control;
+  control.active = physics_.spin.has_value();
+  if (control.active) control.failed = false;
+  look();
+  if (control.active) control.start_ratio = last_.c_over_a;
+  if (clock.total_steps == 0) add_snapshot();
+}
+
+void Run::look() {
+  ScopedTimer timer(scratch_.times[static_cast<std::size_t>(Phase::output)]);
+  last_ = observe(physics_, state_, scratch_, link_gap_);
+  Control& control = state_.control;
+  if (control.active && !control.failed && state_.clock.step > 0 &&
+      last_.c_over_a < control.start_ratio * (1.0 - physics_.spin->axis_drop)) {
+    control.failed = true;
+    control.failure_time = last_.time;
+    control.failure_period = last_.spin_target;
+    control.active = physics_.spin->on_failure == OnFailure::keep;
+    add_snapshot();
+  }
+  results_.add_series_row(row(last_));
+}
+
+void Run::add_snapshot() {
+  Bodies& bodies = state_.bodies;
+  const Spheres& spheres = bodies.spheres;
+  std::vector<Vec3f> positions(spheres.size());
+  for (std::size_t s = 0; s < spheres.size(); ++s) positions[s] = spheres.position[s].cast<float>();
+  std::vector<std::uint16_t> touching(spheres.size(), 0);
+  for (std::size_t slot = 0; slot < state_.contacts.slots(); ++slot)
+    if (state_.contacts.touching(slot)) {
+      ++touching[state_.contacts.pair(slot).i];
+      ++touching[state_.contacts.pair(slot).j];
+    }
+  FieldTable table = motion_fields(bodies);
+  table.push_back({"remnant", "", "1: part of the largest remnant", &state_.remnant, "body"});
+  table.push_back({"sphere_position", "m", "centre, for display", &positions, "sphere"});
+  table.push_back({"sphere_contacts", "", "number of touching spheres", &touching, "sphere"});
+  table.push_back({"period", "s", "spin period of the largest remnant", &last_.period});
+  table.push_back({"failed", "", "the pile has failed", &state_.control.failed});
+  results_.add_snapshot(state_.clock.time(), scene_.stages[state_.clock.stage].name, table);
+}
+
+void Run::commit(bool last) {
+  ScopedTimer timer(scratch_.times[static_cast<std::size_t>(Phase::output)]);
+  ContactColumns contacts, walls;
+  contacts.assign(state_.clock.steps > 0 ? state_.contacts.records() : inherited_);
+  walls.assign(state_.walls.records());
+  const FieldTable table = checkpoint_fields(state_, contacts, walls);
+  if (last)
+    results_.finish(table, "finished");
+  else
+    results_.commit(table);
+  write_xdmf(results_);
+}
+
+RunEnd Run::advance(const std::function<bool(const Run&)>& watch) {
+  Clock& clock = state_.clock;
+  double last_watch = wall_seconds(), last_commit = last_watch;
+  try {
+    for (;;) {
+      if (clock.steps == 0) {
+        start_stage();
+        if (clock.total_steps == 0) commit(false);
+      }
+      bool over = false;
+      while (!over) {
+        step(physics_, state_, scratch_);
+        const bool end = clock.step == clock.steps;
+        if (end || clock.step % physics_.series_steps == 0) look();
+        over = end || failed_long_ago();
+        if (over || (physics_.snapshot_steps > 0 && clock.step % physics_.snapshot_steps == 0)) add_snapshot();
+        const double now = wall_seconds();
+        if (now - last_watch < kWatchInterval) continue;
+        last_watch = now;
+        if (!watch(*this)) {
+          if (!over) {
+            commit(false);
+            return RunEnd::interrupted;
+          }
+        } else if (now - last_commit > scene_.output.checkpoint_interval) {
+          commit(false);
+          last_commit = wall_seconds();
+        }
+      }
+      // Between stages: contacts wait for the next stage's stiffness.
+      const bool last = clock.stage + 1 == scene_.stages.size();
+      if (!last) {
+        inherited_ = state_.contacts.records();
+        clock.stage_start = clock.time();
+        ++clock.stage;
+        clock.step = clock.steps = 0;
+      }
+      commit(last);
+      if (last) return RunEnd::finished;
+    }
+  } catch (const UnstableError&) {
+    results_.commit();  // what was measured until now stays; the checkpoint is the last good one
+    throw;
+  }
+}
+
+bool Run::failed_long_ago() const {
+  const auto& spin = physics_.spin;
+  return spin && spin->after_failure && state_.control.failed &&
+         state_.clock.time() - state_.control.failure_time >= *spin->after_failure;
+}
+
+}  // namespace cairn

@@ -1,0 +1,66 @@
+// A run: the stages of a scene one after the other, with outputs, checkpoints and spin control.
+#pragma once
+
+#include <functional>
+
+#include "io/results.h"
+#include "sim/observe.h"
+#include "sim/physics.h"
+#include "sim/setup.h"
+#include "sim/step.h"
+
+namespace cairn {
+
+enum class RunEnd { finished, interrupted };
+
+class Run {
+ public:
+  /// A new run into `results`.
+  Run(Scene scene, Setup setup, ResultFile results);
+  /// Continues the run in `path`, bitwise as if it had not stopped.
+  /// @throws InputError when the file is not a result file, has no checkpoint, or the run has finished.
+  static Run resume(const std::filesystem::path& path);
+
+  /// Runs to the end of the scene. `watch` is called about five times a second of wall-clock time; when it
+  /// returns false the run writes a checkpoint and stops.
+  /// @throws UnstableError when the physics leaves its bounds; the result file keeps everything until then.
+  RunEnd advance(const std::function<bool(const Run&)>& watch);
+
+  const Scene& scene() const { return scene_; }
+  const State& state() const { return state_; }
+  const Physics& physics() const { return physics_; }
+  const Observation& last_observation() const { return last_; }
+  const PhaseTimes& times() const { return scratch_.times; }
+  const std::filesystem::path& path() const { return results_.path(); }
+  std::size_t sphere_count() const { return state_.bodies.spheres.size(); }
+  std::size_t stages() const { return scene_.stages.size(); }
+
+ private:
+  Run(Scene scene, ResultFile results) : scene_(std::move(scene)), results_(std::move(results)) {}
+
+  void start_stage();
+  void prepare_bodies();
+  void look();
+  bool failed_long_ago() const;
+  void add_snapshot();
+  void commit(bool last);
+
+  Scene scene_;
+  ResultFile results_;
+  std::vector<std::string> shapes_;
+  std::vector<ContactRecord> inherited_;  ///< contacts between two stages
+  double link_gap_ = 0.0;                 ///< m
+  State state_;
+  Physics physics_;
+  Scratch scratch_;
+  Observation last_;
+};
+
+/// Title, version, scene and seed, as result files carry them.
+struct RunAttributes {
+  std::string title, scene, directory, version;
+  std::uint64_t seed = 0;
+  FieldTable table();
+};
+
+}  // namespace cairn

@@ -1,0 +1,126 @@
+// Scenes that together give every key, and one that gives as few as it may.
+#pragma once
+
+namespace cairn {
+
+// A cloud of mixed grains, collapsed and then spun up.
+inline const char* const kPileScene = R"(
+title = "Two materials, grains of two shapes"
+seed = 9223372036854775807
+mass_model = "spheres"
+
+[[cloud]]
+count = 500
+filling = 0.05
+distribution = "power_law"
+size = 4
+size_max = 32.0
+exponent = 3.5
+density = 3000
+material = "rough"
+position = [1, -2.5, 3e3]
+velocity = [0.5, 0, -1]
+spin_period = 18000
+  [[cloud.shape]]
+  shape = "tetrahedron"
+  weight = 3
+  [[cloud.shape]]
+  shape = "grains/long.toml"
+
+[[material]]
+name = "rough"
+restitution_normal = 0.5
+restitution_tangential = 0.6
+friction = 0.7
+friction_rolling = 0.8
+friction_twisting = 0.9
+shape_factor = 0.4
+cohesion = 120
+
+[[material]]
+name = "smooth"
+friction = 0
+
+[contact]
+stiffness = 1e7
+time_step = 0.01
+unsafe_time_step = true
+steps_per_contact = 40
+max_overlap = 0.02
+overlap_limit = 0.2
+damping_mass = "spheres"
+rolling_slip = "zhang2017"
+
+[gravity]
+method = "direct"
+opening_angle = 0.7
+interval = 10
+field = [0, 0, -9.81]
+
+[[stage]]
+name = "collapse"
+duration = 5e4
+material = "smooth"
+impact_speed = 1.5
+stiffness = 2e7
+time_step = 0.005
+
+[[stage]]
+name = "spin-up"
+duration = 147000
+[stage.spin]
+path = [[0, 18000], [7000, 10800], [147000, 8136]]
+control_interval = 60
+on_failure = "keep"
+axis_drop = 0.02
+include_shed = true
+after_failure = 3600
+
+[output]
+snapshot_interval = 1000
+series_interval = 10
+checkpoint_interval = 60
+remnant_gap = 0.2
+)";
+
+// Single bodies on a plane, and the pile of another run.
+inline const char* const kBodyScene = R"(
+pile = "rubble.h5"
+[[body]]
+shape = "sphere"
+size = 2
+density = 2500
+material = "stone"
+position = [0, 0, 5]
+velocity = [1, 2, 3]
+angular_velocity = [0.1, 0.2, 0.3]
+orientation = [0, 0, 0, 2]
+[[plane]]
+point = [0, 0, 1]
+normal = [0, 3, 4]
+material = "stone"
+[[material]]
+name = "stone"
+[[stage]]
+name = "fall"
+duration = 1
+)";
+
+// As little as a scene can say.
+inline const char* const kShortScene = R"(
+[[body]]
+shape = "sphere"
+density = 1000
+[[cloud]]
+count = 1
+size = 1
+density = 1000
+shape = [{ shape = "sphere" }]
+[[plane]]
+[[stage]]
+name = "only"
+duration = 1
+spin.path = [[0, 100]]
+)";
+
+}  // namespace cairn

@@ -1,0 +1,252 @@
+// Every mistake in a scene is one line that says where, which key, and what was expected.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "io/scene.h"
+
+namespace cairn {
+namespace {
+
+std::string error_of(const std::string& text) {
+  try {
+    parse_scene(text, "s.toml", ".");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+// A scene without fault on lines 1 to 6, to which a test adds from line 7 on.
+const std::string kGood = "[[body]]\nshape = 'sphere'\ndensity = 1000\n[[stage]]\nname = 'a'\nduration = 1\n";
+
+struct Case {
+  std::string added, message;
+};
+
+void expect_errors(const std::string& start, const std::vector<Case>& cases) {
+  EXPECT_EQ(error_of(kGood), "no error");
+  for (const auto& [added, message] : cases) EXPECT_EQ(error_of(start + added), message) << added;
+}
+
+TEST(SceneErrors, UnknownKeys) {
+  expect_errors(
+      kGood,
+      {{"[contact]\nstifness = 1",
+        "s.toml:8:1: key 'contact.stifness': unknown key; did you mean 'stiffness'?"},
+       {"[gravity]\ncontact = 1",
+        "s.toml:8:1: key 'gravity.contact': unknown key; expected 'method', 'opening_angle', 'interval' or "
+        "'field'"},
+       {"[contat]", "s.toml:7:2: key 'contat': unknown key; did you mean 'contact'?"},
+       {"[stage.spin]\npath = [[0, 1]]\ninclude_shde = true",
+        "s.toml:9:1: key 'stage[0].spin.include_shde': unknown key; did you mean 'include_shed'?"},
+       {"[contact]\n  \"a\\nb\\u202E\" = 1\n[gravity]\nx = 1",
+        "s.toml:8:3: key 'contact.a\\nb\\u202E': unknown key; expected 'stiffness', 'time_step', "
+        "'unsafe_time_step', 'steps_per_contact', 'max_overlap', 'overlap_limit', 'damping_mass' or "
+        "'rolling_slip'"}});
+}
+
+TEST(SceneErrors, WrongTypes) {
+  expect_errors(
+      kGood,
+      {{"[contact]\nstiffness = '1e7'",
+        "s.toml:8:13: key 'contact.stiffness': expected a number in N/m, found a string"},
+       {"[contact]\nmax_overlap = true",
+        "s.toml:8:15: key 'contact.max_overlap': expected a number, found a boolean"},
+       {"[contact]\nunsafe_time_step = 1",
+        "s.toml:8:20: key 'contact.unsafe_time_step': expected true or false, found an integer"},
+       {"[gravity]\ninterval = 2.0",
+        "s.toml:8:12: key 'gravity.interval': expected an integer, found a floating-point number"},
+       {"[gravity]\nmethod = 1979-05-27",
+        "s.toml:8:10: key 'gravity.method': expected 'none', 'direct' or 'tree', found a date or time"},
+       {"[gravity]\nfield = 9.81",
+        "s.toml:8:9: key 'gravity.field': expected an array of 3 numbers in m/s^2, found a floating-point "
+        "number"},
+       {"[gravity]\nfield = [0, '1', 0]",
+        "s.toml:8:13: key 'gravity.field[1]': expected a number in m/s^2, found a string"},
+       {"[gravity]\nfield = [0, 1]",
+        "s.toml:8:9: key 'gravity.field': expected an array of 3 numbers in m/s^2, found an array of 2"},
+       {"[[material]]\nname = 5", "s.toml:8:8: key 'material[0].name': expected a string, found an integer"},
+       {"[material]\nname = 'x'", "s.toml:7:1: key 'material': expected tables [[material]], found a table"},
+       {"[[gravity]]", "s.toml:7:1: key 'gravity': expected a table [gravity], found an array"},
+       {"[[plane]]\n[[cloud]]\nshape = ['sphere']",
+        "s.toml:9:10: key 'cloud[0].shape[0]': expected a table [cloud.shape], found a string"},
+       {"[stage.spin]\npath = [[0, 1, 2]]",
+        "s.toml:8:9: key 'stage[0].spin.path[0]': expected an array of 2 numbers in s, found an array of 3"},
+       {"[stage.spin]\npath = 3",
+        "s.toml:8:8: key 'stage[0].spin.path': expected an array of pairs of numbers in s, found an "
+        "integer"}});
+}
+
+TEST(SceneErrors, OutOfBounds) {
+  expect_errors(
+      kGood,
+      {{"[[material]]\nname = 'm'\nrestitution_normal = 1.2",
+        "s.toml:9:22: key 'material[0].restitution_normal': expected 0 <= x <= 1, found 1.2"},
+       {"[contact]\nstiffness = 0",
+        "s.toml:8:13: key 'contact.stiffness': expected 0 < x <= 1e20 in N/m, found 0"},
+       {"[contact]\ntime_step = nan",
+        "s.toml:8:13: key 'contact.time_step': expected a finite number in s, found nan"},
+       {"[gravity]\nfield = [0, -inf, 0]",
+        "s.toml:8:13: key 'gravity.field[1]': expected a finite number in m/s^2, found -inf"},
+       {"[gravity]\ninterval = 0", "s.toml:8:12: key 'gravity.interval': expected 1 <= x <= 1e6, found 0"},
+       {"[gravity]\nmethod = 'tre'",
+        "s.toml:8:10: key 'gravity.method': expected 'none', 'direct' or 'tree', found 'tre'; did you mean "
+        "'tree'?"},
+       {"[[material]]\nname = ''",
+        "s.toml:8:8: key 'material[0].name': expected a string of 1 to 64 bytes, found 0"},
+       {"[[material]]\nname = \"a\\tb\"",
+        "s.toml:8:8: key 'material[0].name': expected text without control characters, found 'a\\tb'"}});
+  EXPECT_EQ(error_of("seed = -1\n" + kGood), "s.toml:1:8: key 'seed': expected 0 <= x, found -1");
+  EXPECT_EQ(error_of("title = '" + std::string(201, 'x') + "'\n" + kGood),
+            "s.toml:1:9: key 'title': expected a string of 0 to 200 bytes, found 201");
+}
+
+TEST(SceneErrors, MissingKeysNameTheirTable) {
+  expect_errors(kGood, {{"\n[[material]]\nfriction = 1",
+                         "s.toml:8:1: key 'material[0].name': missing key; table 'material[0]' that starts "
+                         "on line 8 requires it (string)"},
+                        {"[[body]]\nshape = 'x'",
+                         "s.toml:7:1: key 'body[1].density': missing key; table 'body[1]' that starts on "
+                         "line 7 requires it (number in kg/m^3)"},
+                        {"[[cloud]]\ncount = 1\nsize = 1\ndensity = 1\nshape = []",
+                         "s.toml:7:1: key 'cloud[0].shape': missing key; table 'cloud[0]' that starts on "
+                         "line 7 requires it (at least one [[...]] table)"},
+                        {"[stage.spin]",
+                         "s.toml:7:1: key 'stage[0].spin.path': missing key; table 'stage[0].spin' that "
+                         "starts on line 7 requires it ([[a, b], ...] in s)"}});
+  EXPECT_EQ(error_of(""),
+            "s.toml:1:1: key 'stage': missing key; the file requires it (at least one "
+            "[[...]] table)");
+  EXPECT_EQ(error_of("[[stage]]\nname = 'a'\nduration = 1\n"),
+            "s.toml:1:1: the scene has no bodies; expected 'pile', [[cloud]] or [[body]]");
+}
+
+TEST(SceneErrors, SyntaxAndDuplicates) {
+  expect_errors(
+      kGood,
+      {{"[contact]\nstiffness = 1\n  stiffness = 2", "s.toml:9:3: key 'stiffness': given twice"},
+       {"[contact]\n[gravity]\n[contact]", "s.toml:9:1: key 'contact': given twice"},
+       {"gravity = { interval = 1, interval = 2 }", "s.toml:7:27: key 'interval': given twice"},
+       {"[contact\nstiffness = 1", "s.toml:7:9: syntax error: parsing table header: expected ']', saw '\\n'"},
+       {"[contact]\nstiffness = ",
+        "s.toml:8:13: syntax error: parsing key-value pair: encountered end-of-file"},
+       {"title = \"\xff\"", "s.toml:7:9: syntax error: Encountered invalid utf-8 sequence"}});
+  EXPECT_EQ(error_of(std::string(1, '\0')),
+            "s.toml:1:1: syntax error: parsing root table: expected keys, tables, whitespace or comments, "
+            "saw '\\u0000'");
+}
+
+TEST(SceneErrors, Materials) {
+  const std::string two = "[[material]]\nname = 'ice'\n[[material]]\nname = 'rock'\n";
+  EXPECT_EQ(error_of(kGood + two),
+            "s.toml:1:1: key 'body[0].material': missing key; required because there are several materials, "
+            "expected 'ice' or 'rock'");
+  EXPECT_EQ(error_of(kGood + "[[plane]]\nmaterial = 'nominl'"),
+            "s.toml:8:12: key 'plane[0].material': no [[material]] is called 'nominl'; did you mean "
+            "'nominal'?");
+  EXPECT_EQ(error_of(kGood + "material = 'wood'\n[[material]]\nname = 'ice'"),
+            "s.toml:7:12: key 'stage[0].material': no [[material]] is called 'wood'; expected 'ice'");
+  EXPECT_EQ(error_of(kGood + "[[material]]\nname = 'ice'\n[[material]]\nname = 'ice'"),
+            "s.toml:10:8: key 'material[1].name': expected a name of its own, found 'ice' for a second time");
+}
+
+TEST(SceneErrors, Clouds) {
+  // Lines 7 to 11; the test adds from line 12 on.
+  const std::string cloud =
+      kGood + "[[cloud]]\ncount = 9\nsize = 2\ndensity = 1\nshape = [{ shape = 'a', weight = 1 }]\n";
+  EXPECT_EQ(error_of(cloud), "no error");
+  EXPECT_EQ(error_of(cloud + "distribution = 'uniform'\nsize_max = 2"), "no error");
+  expect_errors(
+      cloud, {{"distribution = 'uniform'",
+               "s.toml:7:1: key 'cloud[0].size_max': missing key; required unless the "
+               "distribution is 'single'"},
+              {"distribution = 'uniform'\nsize_max = 1.5",
+               "s.toml:13:12: key 'cloud[0].size_max': expected at least the size of 2 m, found 1.5"},
+              {"size_max = 3",
+               "s.toml:12:12: key 'cloud[0].size_max': has no effect with the distribution 'single'"},
+              {"exponent = 3",
+               "s.toml:12:12: key 'cloud[0].exponent': has no effect unless the distribution is "
+               "'power_law'"},
+              {"filling = 0.3", "s.toml:12:11: key 'cloud[0].filling': expected 0 < x <= 0.2, found 0.3"}});
+  EXPECT_EQ(error_of(kGood +
+                     "[[cloud]]\ncount = 9\nsize = 2\ndensity = 1\nshape = [{ shape = 'a', weight = 0 }]\n"),
+            "s.toml:11:9: key 'cloud[0].shape': expected a positive sum of weights, found 0");
+}
+
+TEST(SceneErrors, Directions) {
+  expect_errors(kGood, {{"[[plane]]\nnormal = [0, 0, 0]",
+                         "s.toml:8:10: key 'plane[0].normal': expected a vector other than zero"},
+                        {"[[body]]\nshape = 'a'\ndensity = 1\norientation = [0, 0, 0, 0.0]",
+                         "s.toml:10:15: key 'body[1].orientation': expected a vector other than zero"}});
+}
+
+TEST(SceneErrors, Stages) {
+  expect_errors(
+      kGood,
+      {{"[[stage]]\nname = 'a'\nduration = 2",
+        "s.toml:8:8: key 'stage[1].name': expected a name of its own, found 'a' for a second time"},
+       {"spin.path = []", "s.toml:7:13: key 'stage[0].spin.path': expected at least one pair [time, period]"},
+       {"spin.path = [[0, 10], [5, 0]]",
+        "s.toml:7:23: key 'stage[0].spin.path[1]': expected a period above 0 s, found 0"},
+       {"spin.path = [[0, 10], [5, 9], [5, 8]]",
+        "s.toml:7:31: key 'stage[0].spin.path[2]': expected a time after 5 s, found 5"},
+       {"spin.path = [[-1, 10]]",
+        "s.toml:7:15: key 'stage[0].spin.path[0][0]': expected 0 <= x <= 1e15 in s, found -1"},
+       {"[contact]\noverlap_limit = 0.001",
+        "s.toml:8:17: key 'contact.overlap_limit': expected max_overlap <= overlap_limit, found 0.01 and "
+        "0.001"}});
+}
+
+TEST(SceneErrors, HostileTexts) {
+  std::string deep_key, distinct, rows;
+  for (int i = 0; i < 1'000'000; ++i) deep_key += "a.";
+  for (int i = 0; i < 120'000; ++i) distinct += fmt::format("[[a{}]]\n", i);
+  for (int i = 0; i < 600'000; ++i) rows += "[0,1],";
+  EXPECT_EQ(error_of(deep_key + "a = 1"), "s.toml:1:16: a key has more than 8 parts");
+  EXPECT_EQ(error_of("\n[" + deep_key + "a]"), "s.toml:2:17: a key has more than 8 parts");
+  EXPECT_EQ(error_of(distinct), "s.toml:50001:1: more than 50000 tables and dotted keys");
+  EXPECT_TRUE(error_of("a = [" + rows).ends_with("more than 1000000 values"));
+  EXPECT_TRUE(error_of("a = " + std::string(1'000'000, '[')).find("maximum nested value depth") !=
+              std::string::npos);
+  EXPECT_EQ(error_of(std::string(16'000'001, '#')), "s.toml: larger than 16 MB");
+  const std::string long_key = error_of(std::string(1'000'000, 'k') + " = 1\n");
+  EXPECT_TRUE(long_key.starts_with("s.toml:1:1: key 'kkk"));
+  EXPECT_LT(long_key.size(), 1000u);
+}
+
+TEST(SceneErrors, DotsAndCommasInsideTextDoNotCount) {
+  const std::string dots = "title = 'a.b.c.d.e.f.g.h.i.j' # a.b.c.d.e.f.g.h.i.j\n";
+  EXPECT_EQ(error_of(dots + kGood), "no error");
+  EXPECT_EQ(error_of("title = \"\"\"a.b.c.d\\\"\"\"e.f.g.h.i.j\"\"\"\"\n" + kGood), "no error");
+  EXPECT_EQ(error_of("title = \"\\\\\" # '.........'\n" + kGood), "no error");
+  EXPECT_TRUE(
+      error_of("title = 'open\npile = 'a.b.c.d.e.f.g.h.i.j'\n").starts_with("s.toml:1:14: syntax error: "));
+}
+
+TEST(SceneErrors, FilesThatCannotBeRead) {
+  const auto error = [](const std::filesystem::path& path) -> std::string {
+    try {
+      load_scene(path);
+    } catch (const InputError& caught) {
+      return caught.what();
+    }
+    return "no error";
+  };
+  const std::filesystem::path directory = std::filesystem::path(testing::TempDir()) / "cairn_bad_scene";
+  std::filesystem::create_directories(directory);
+  const auto in = [&](const char* name) { return (directory / name).string(); };
+  ASSERT_EQ(mkfifo(in("pipe").c_str(), 0600), 0);
+  std::ofstream(in("long")) << std::string(16'000'001, '\n');
+  EXPECT_EQ(error(in("none")), in("none") + ": no such file");
+  EXPECT_EQ(error(in("a\nb")), in("a\\nb") + ": no such file");
+  EXPECT_EQ(error(directory), directory.string() + ": not a regular file");
+  EXPECT_EQ(error(in("pipe")), in("pipe") + ": not a regular file");
+  EXPECT_EQ(error(in("long")), in("long") + ": larger than 16 MB");
+  std::filesystem::remove_all(directory);
+}
+
+}  // namespace
+}  // namespace cairn

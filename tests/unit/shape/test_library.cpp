@@ -1,0 +1,179 @@
+// The shape library and the messages for bad shape files.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+
+#include "core/error.h"
+#include "shape/library.h"
+#include "shape/suggest.h"
+
+namespace cairn {
+namespace {
+
+namespace fs = std::filesystem;
+
+class LibraryTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "cairn_shapes_XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    directory_ = pattern;
+  }
+  void TearDown() override {
+    unsetenv("CAIRN_SHAPES");
+    fs::remove_all(directory_);
+  }
+
+  fs::path write(const std::string& file, const std::string& text) const {
+    std::ofstream(directory_ / file) << text;
+    return directory_ / file;
+  }
+
+  // The message for a bad file, which must be one line that begins with the file's name.
+  std::string message(const std::string& text) const {
+    const fs::path path = write("bad.toml", text);
+    try {
+      load_shape("bad.toml", directory_);
+    } catch (const InputError& error) {
+      const std::string what = error.what();
+      EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+      EXPECT_TRUE(what.starts_with(path.string() + ":")) << what;
+      return what.substr(path.string().size());
+    }
+    return "accepted";
+  }
+
+  fs::path directory_;
+};
+
+const std::string kGood = "name = \"grain\"\n[[sphere]]\ncenter = [0, 0.5, 0]\nradius = 1\n";
+
+TEST_F(LibraryTest, EveryShapeLoads) {
+  const std::vector<std::string> names = library_names();
+  for (const char* name : {"sphere", "dumbbell", "rod4", "diamond", "tetrahedron", "cube", "octahedron",
+                           "l_shape", "cross", "ellipsoid", "slab", "needle"})
+    EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
+  EXPECT_TRUE(std::is_sorted(names.begin(), names.end()));
+  for (const std::string& name : names) {
+    SCOPED_TRACE(name);
+    const Shape shape = load_shape(name);
+    EXPECT_EQ(shape.name, name);
+    EXPECT_FALSE(shape.description.empty());
+    const RigidShape rigid = make_rigid(shape, MassModel::union_volume);
+    EXPECT_TRUE(std::isfinite(rigid.moment_error));
+    EXPECT_LT(rigid.moment_error, 0.1);
+    RecordProperty(name + "_moment_error", std::to_string(rigid.moment_error));
+    EXPECT_LT(rigid.inertia[2], rigid.inertia[0] + rigid.inertia[1]);
+  }
+}
+
+TEST_F(LibraryTest, EllipsoidFillsItsEllipsoid) {
+  const Shape shape = load_shape("ellipsoid");
+  const RigidShape rigid = make_rigid(shape, MassModel::union_volume);
+  EXPECT_LT(rigid.volume, 4.0 * kPi);
+  EXPECT_GT(rigid.volume, 0.85 * 4.0 * kPi);
+  EXPECT_NEAR(rigid.bounding_radius, 2.0, 0.01);
+}
+
+TEST_F(LibraryTest, ReadsFilesRelativeToTheBase) {
+  write("grain.toml", kGood);
+  const Shape shape = load_shape("grain.toml", directory_);
+  EXPECT_EQ(shape.name, "grain");
+  EXPECT_EQ(shape.description, "");
+  EXPECT_EQ(shape.centers.at(0), Vec3(0.0, 0.5, 0.0));
+  EXPECT_EQ(shape.radii.at(0), 1.0);
+  EXPECT_EQ(load_shape((directory_ / "grain.toml").string()).name, "grain");
+}
+
+TEST_F(LibraryTest, EnvironmentChoosesTheDirectory) {
+  write("pebble.toml", kGood);
+  setenv("CAIRN_SHAPES", directory_.c_str(), 1);
+  EXPECT_EQ(library_names(), std::vector<std::string>{"pebble"});
+  EXPECT_EQ(load_shape("pebble").name, "grain");
+  setenv("CAIRN_SHAPES", (directory_ / "none").c_str(), 1);
+  EXPECT_THROW(library_names(), InputError);
+}
+
+TEST_F(LibraryTest, UnknownNameSuggestsTheNearest) {
+  try {
+    load_shape("tetraedron");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("did you mean 'tetrahedron'?"), std::string::npos)
+        << error.what();
+  }
+  for (const char* name : {"", "xyzzyxyzzy", ".."}) {
+    try {
+      load_shape(name);
+      FAIL();
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("expected one of "), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST_F(LibraryTest, MessagesNameLineColumnAndKey) {
+  EXPECT_EQ(message(kGood + "radus = 2\n"), ":5:1: key 'radus': unknown, did you mean 'radius'?");
+  EXPECT_EQ(message("descripton = \"x\"\n" + kGood),
+            ":1:1: key 'descripton': unknown, did you mean 'description'?");
+  EXPECT_EQ(message("name = \"a\"\nzzzzzzzzz = 1\n"),
+            ":2:1: key 'zzzzzzzzz': unknown, expected name, description, sphere");
+  EXPECT_EQ(message("name = 3\n"), ":1:8: key 'name': expected one line of text in quotes");
+  EXPECT_EQ(message("name = \"\"\n"), ":1:8: key 'name': expected a name, found an empty string");
+  EXPECT_EQ(message("name = \"a\"\n"), ":1:1: key 'sphere': missing, expected at least one [[sphere]] table");
+  EXPECT_EQ(message("name = \"a\"\nsphere = []\n"),
+            ":2:10: key 'sphere': expected one [[sphere]] table for each sphere");
+  EXPECT_EQ(message("name = \"a\"\n[sphere]\nradius = 1\n"),
+            ":2:1: key 'sphere': expected one [[sphere]] table for each sphere");
+  EXPECT_EQ(message("name = \"a\"\n[[sphere]]\nradius = 1\n").substr(0, 37),
+            ":2:1: key 'center': missing, expected");
+  EXPECT_EQ(message(kGood + "[[sphere]]\ncenter = [0, 0.5, 0.0]\nradius = 1.0\n"),
+            ":5:1: key 'sphere': expected distinct spheres, found a copy of the one on line 2");
+}
+
+TEST_F(LibraryTest, RejectsBadNumbers) {
+  const auto sphere = [&](const std::string& center, const std::string& radius) {
+    return message("name = \"a\"\n[[sphere]]\ncenter = " + center + "\nradius = " + radius + "\n");
+  };
+  for (const char* radius : {"0", "-1", "nan", "inf", "true", "\"1\"", "[1]", "1e9", "1e-9"})
+    EXPECT_TRUE(sphere("[0, 0, 0]", radius).starts_with(":4:10: key 'radius': expected a number")) << radius;
+  for (const char* center : {"0", "[0, 0]", "[0, 0, 0, 0]", "\"x\"", "{ x = 1 }"})
+    EXPECT_TRUE(sphere(center, "1").starts_with(":3:10: key 'center': expected three numbers")) << center;
+  for (const char* center : {"[nan, 0, 0]", "[inf, 0, 0]", "[-1e7, 0, 0]", "[\"0\", 0, 0]"})
+    EXPECT_TRUE(sphere(center, "1").starts_with(":3:11: key 'center': expected three numbers")) << center;
+}
+
+TEST_F(LibraryTest, RejectsWhatIsNotToml) {
+  EXPECT_TRUE(message("name = \n").starts_with(":1:")) << message("name = \n");
+  EXPECT_NE(message("name = \"a\"\nname = \"b\"\n").find(":2:"), std::string::npos);
+  EXPECT_NE(message("name = \"\xff\"\n"), "accepted");
+  EXPECT_NE(message(std::string("name\0 = 1\n", 10)), "accepted");
+  EXPECT_NE(message(std::string(5000, '[')), "accepted");
+  EXPECT_NE(message("name = \"a\\nb\"\n"), "accepted");
+  EXPECT_NE(message("\"a\\nb\" = 1\n"), "accepted");
+  EXPECT_EQ(message(""), ":1:1: key 'name': missing, expected one line of text in quotes");
+}
+
+TEST_F(LibraryTest, RejectsWhatIsNotAFile) {
+  EXPECT_THROW(load_shape("none.toml", directory_), InputError);
+  fs::create_directory(directory_ / "folder.toml");
+  EXPECT_THROW(load_shape("folder.toml", directory_), InputError);
+  ASSERT_EQ(mkfifo((directory_ / "pipe.toml").c_str(), 0600), 0);
+  EXPECT_THROW(load_shape("pipe.toml", directory_), InputError);
+  write("large.toml", "");
+  fs::resize_file(directory_ / "large.toml", (std::uintmax_t{64} << 20) + 1);
+  EXPECT_THROW(load_shape("large.toml", directory_), InputError);
+}
+
+TEST(NearestName, FewestEdits) {
+  EXPECT_EQ(nearest_name("cubes", {"cross", "cube", "sphere"}), "cube");
+  EXPECT_EQ(nearest_name("shpere", {"cross", "cube", "sphere"}), "sphere");
+  EXPECT_EQ(nearest_name("banana", {"cross", "cube", "sphere"}), "");
+  EXPECT_EQ(nearest_name("", {"cross"}), "");
+}
+
+}  // namespace
+}  // namespace cairn
