@@ -92,7 +92,7 @@ class FmmKernel {
   // Adds the expansions of far[i], ..., one to a lane; lanes past the end read the row of zeros.
   void meet_far(const Vec3& centre, const List& far, std::size_t i,
                 std::array<Pack, I::kReduced>& sums) const {
-    Pack x, y, z;
+    Pack x{}, y{}, z{};
     const double* rows[kLanes];
     for (int lane = 0; lane < kLanes; ++lane) {
       const std::size_t k = i + static_cast<std::size_t>(lane);
