@@ -9,6 +9,7 @@
 #include "app/render/film.h"
 #include "app/result_view.h"
 #include "core/error.h"
+#include "core/random.h"
 
 namespace cairn {
 
@@ -68,6 +69,13 @@ Coloring coloring(const ResultView& view, const std::vector<SnapshotView>& snaps
   return out;
 }
 
+/// The colour of a shape, a little lighter or darker from body to body so that neighbours stay apart.
+Vec3 grain_color(std::uint32_t shape, std::uint32_t body) {
+  const double shade = 0.24 * (Random(body, 0).uniform() - 0.5);
+  const Vec3 color = render::category_color(shape);
+  return shade > 0.0 ? Vec3(color + shade * (Vec3::Ones() - color)) : Vec3((1.0 + shade) * color);
+}
+
 std::vector<Ball> balls_of(const ResultView& view, const SnapshotView& snapshot, const Coloring& coloring) {
   const Bodies& bodies = view.bodies();
   const Vec3 drift = mean_velocity(view, snapshot);
@@ -76,7 +84,7 @@ std::vector<Ball> balls_of(const ResultView& view, const SnapshotView& snapshot,
     const std::uint32_t b = bodies.spheres.body[s];
     Vec3 color;
     switch (coloring.by) {
-      case ColorBy::shape: color = render::category_color(bodies.shape[b]); break;
+      case ColorBy::shape: color = grain_color(bodies.shape[b], b); break;
       case ColorBy::body: color = render::id_color(b); break;
       default: color = render::scalar_color(quantity(view, snapshot, drift, coloring.by, s) / coloring.high);
     }

@@ -11,7 +11,6 @@
 #include "core/parallel.h"
 
 namespace cairn {
-
 namespace {
 
 using search::Candidates, search::Cell, search::Entry, search::Found, search::Keyed, search::Level;
@@ -22,6 +21,7 @@ constexpr int kLevelOctaves = 2;  // powers of two of size in a level; with one 
 constexpr std::size_t kBlock = 1024;      // entries searched as one piece of parallel work
 constexpr std::size_t kGroup = 8;         // entries searched for together, at most,
 constexpr std::uint32_t kGroupCells = 3;  // and how far apart they may be
+
 }  // namespace
 
 struct NeighbourSearch::Grids {

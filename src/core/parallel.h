@@ -33,7 +33,7 @@ void parallel_blocks(std::size_t count, std::size_t block, Body&& body) {
 /// Calls body(i) for i in [0, count).
 template <class Body>
 void parallel_for(std::size_t count, Body&& body) {
-  parallel_blocks(count, 512, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(count, 128, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) body(i);
   });
 }

@@ -1,0 +1,84 @@
+#include "pile/pile_file.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "io/results.h"
+#include "sim/fields.h"
+
+namespace cairn {
+
+namespace {
+
+/// What a damaged or edited file could get wrong; errors lack the file's name.
+void check_pile(const State& state, std::size_t shapes, std::size_t materials,
+                const ContactColumns& contacts) {
+  const Bodies& bodies = state.bodies;
+  const std::size_t spheres = bodies.spheres.size();
+  if (bodies.position.size() != bodies.size())
+    throw InputError("checkpoint: expected as many poses as bodies");
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (bodies.shape[b] >= shapes)
+      throw InputError("bodies/shape: body {} has a shape that is not in the file", b);
+    if (bodies.material[b] >= materials)
+      throw InputError("bodies/material: body {} has a material that is not in the file", b);
+    if (!bodies.position[b].allFinite() || !bodies.velocity[b].allFinite() || !bodies.spin[b].allFinite() ||
+        !bodies.orientation[b].coeffs().allFinite())
+      throw InputError("checkpoint: the motion of body {} is not finite", b);
+  }
+  for (std::size_t k = 0; k < contacts.i.size(); ++k)
+    if (contacts.i[k] >= contacts.j[k] || contacts.j[k] >= spheres)
+      throw InputError("checkpoint/contacts: spheres {} and {} cannot touch", contacts.i[k], contacts.j[k]);
+}
+
+/// Numbers in `materials` of the file's materials.
+std::vector<std::uint16_t> match(const std::vector<std::string>& names,
+                                 const std::vector<Material>& materials) {
+  std::vector<std::uint16_t> numbers;
+  for (const std::string& name : names) {
+    const auto it =
+        std::find_if(materials.begin(), materials.end(), [&](const Material& m) { return m.name == name; });
+    if (it == materials.end())
+      throw InputError("its material '{}' is not in the scene; add such a [[material]]", name);
+    numbers.push_back(static_cast<std::uint16_t>(it - materials.begin()));
+  }
+  return numbers;
+}
+
+}  // namespace
+
+Setup read_pile(const std::filesystem::path& path, const std::vector<Material>& materials) {
+  const ResultFile file = ResultFile::open(path);
+  if (!file.finished())
+    throw InputError("{}: the run has not finished; a pile comes from a finished one", path.string());
+  State state;
+  ContactColumns contacts, walls;
+  Setup setup;
+  std::vector<std::string> names;
+  file.read_static("bodies", body_constants(state.bodies));
+  file.read_static("spheres", sphere_constants(state.bodies));
+  file.read_static("shapes", {{"name", "", "", &setup.shapes}});
+  file.read_static("materials", {{"name", "", "", &names}});
+  file.read_checkpoint(checkpoint_fields(state, contacts, walls));
+  try {
+    complete_bodies(state.bodies);
+    check_pile(state, setup.shapes.size(), names.size(), contacts);
+    // Only materials that bodies have are asked of the scene; those of single stages or walls are not.
+    std::vector<std::uint16_t> used = state.bodies.material;
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    std::vector<std::string> asked;
+    for (std::uint16_t m : used) asked.push_back(names[m]);
+    const std::vector<std::uint16_t> numbers = match(asked, materials);
+    for (std::uint16_t& m : state.bodies.material)
+      m = numbers[static_cast<std::size_t>(std::lower_bound(used.begin(), used.end(), m) - used.begin())];
+  } catch (const InputError& error) {
+    throw InputError("{}: {}", path.string(), error.what());
+  }
+  setup.bodies = std::move(state.bodies);
+  setup.contacts = contacts.records();
+  setup.k_n = state.k_n;
+  return setup;
+}
+
+}  // namespace cairn

@@ -1,0 +1,75 @@
+// Starts the built program as a user would, in a folder of the test's own.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace cairn::cli {
+
+/// A folder that goes away with the object.
+class Folder {
+ public:
+  Folder();
+  ~Folder();
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  /// Absolute path of something in it.
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  /// Writes a text file and returns its path.
+  std::string write(const std::string& name, const std::string& text) const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// How a program ended.
+struct Outcome {
+  int code = -1;    ///< exit code; -1 after a signal
+  int signal = 0;   ///< that ended it; 0: none
+  std::string out;  ///< what it said on stdout
+  std::string err;  ///< and on stderr
+};
+
+/// A signal sent after a while.
+struct Stop {
+  int signal = 0;
+  double after = 0.0;  ///< s
+};
+
+struct Circumstances {
+  int threads = 1;
+  std::optional<Stop> stop = {};
+  std::optional<std::uint64_t> file_size_limit = {};  ///< bytes, RLIMIT_FSIZE
+};
+
+/// Runs `cairn ARGUMENTS` to its end, with the folder as the working directory.
+Outcome cairn(const Folder& folder, const std::vector<std::string>& arguments,
+              const Circumstances& with = {});
+
+/// One line on stderr that contains `words`, nothing on stdout, exit code 2.
+testing::AssertionResult refused(const Outcome& outcome, const std::vector<std::string>& words);
+
+/// Ended well, silently on stderr.
+testing::AssertionResult succeeded(const Outcome& outcome);
+
+std::string read_bytes(const std::filesystem::path& path);
+std::size_t lines(const std::string& text);
+bool contains(const std::string& text, const std::string& part);
+
+/// Every dataset and attribute of an HDF5 file: its path, and its type, shape and bytes.
+std::map<std::string, std::string> contents(const std::filesystem::path& path);
+
+/// The same datasets and attributes with the same bits.
+testing::AssertionResult same_bits(const std::map<std::string, std::string>& a,
+                                   const std::map<std::string, std::string>& b);
+
+/// An HDF5 file that this program did not make.
+void write_foreign_hdf5(const std::filesystem::path& path);
+
+}  // namespace cairn::cli

@@ -1,0 +1,82 @@
+// A run that was stopped or killed and resumed gives the same bits as one that was not.
+#include <csignal>
+#include <random>
+
+#include "cli/program.h"
+#include "cli/scenes.h"
+
+namespace cairn::cli {
+namespace {
+
+using Contents = std::map<std::string, std::string>;
+
+/// The forty grains, run once without a stop to compare with.
+class Resume : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(succeeded(cairn(folder_, {"run", scene_, "-o", "whole.h5"})));
+    whole_ = contents(folder_ / "whole.h5");
+  }
+
+  /// Runs and resumes; each of the first `most` sessions is ended by one of the signals after a random while.
+  /// @return the number of sessions that were ended so.
+  int run_in_pieces(const std::string& output, const std::vector<int>& signals, double shortest,
+                    double longest, int most) {
+    std::mt19937 random(std::random_device{}());
+    std::uniform_real_distribution<double> moment(shortest, longest);
+    int stops = 0;
+    for (std::vector<std::string> arguments{"run", scene_, "-o", output};; arguments = {"resume", output}) {
+      Circumstances how{.threads = 1 + stops % 2};
+      const int signal = signals[static_cast<std::size_t>(stops) % signals.size()];
+      const double after = moment(random);
+      if (stops < most) how.stop = Stop{signal, after};
+      const Outcome end = cairn(folder_, arguments, how);
+      if (end.code == 0) return stops;
+      const bool stopped = signal == SIGKILL ? end.signal == SIGKILL
+                                             : end.code == 130 && contains(end.err, "cairn resume " + output);
+      if (!stopped) {
+        ADD_FAILURE() << "after " << after << " s: " << end.code << ' ' << end.signal << '\n' << end.err;
+        return -1;
+      }
+      ++stops;
+    }
+  }
+
+  Folder folder_;
+  std::string scene_ = folder_.write("forty.toml", kForty);
+  Contents whole_;
+};
+
+TEST_F(Resume, AnyNumberOfThreadsAndNothingMoreToDo) {
+  int snapshots = 0;
+  for (const auto& [path, bytes] : whole_) snapshots += path.ends_with("/sphere_position");
+  EXPECT_GT(snapshots, 45);
+  for (const char* path :
+       {"/series/dissipated_work", "/checkpoint/contacts/slide", "/checkpoint/contacts/roll",
+        "/checkpoint/contacts/twist", "/checkpoint/gravity/force", "@title", "/series/time@unit"})
+    EXPECT_TRUE(whole_.contains(path)) << path;
+  const std::string& twist = whole_["/checkpoint/contacts/twist"];
+  EXPECT_GT(twist.size(), 10 * sizeof(double));  // there are contacts to lose
+  EXPECT_NE(twist.find_first_not_of('\0', twist.find('|') + 1), std::string::npos);
+
+  ASSERT_TRUE(succeeded(cairn(folder_, {"run", scene_, "-o", "threads.h5"}, {.threads = 2})));
+  EXPECT_TRUE(same_bits(whole_, contents(folder_ / "threads.h5")));
+
+  const std::string before = read_bytes(folder_ / "whole.h5");
+  EXPECT_TRUE(refused(cairn(folder_, {"resume", "whole.h5"}), {"whole.h5", "finished"}));
+  EXPECT_EQ(read_bytes(folder_ / "whole.h5"), before);
+}
+
+TEST_F(Resume, AfterInterruptsAndTerminationsAtRandomMoments) {
+  EXPECT_GE(run_in_pieces("stopped.h5", {SIGINT, SIGTERM}, 0.3, 1.2, 8), 2);
+  EXPECT_TRUE(same_bits(whole_, contents(folder_ / "stopped.h5")));
+}
+
+TEST_F(Resume, AfterKillsAtRandomMoments) {
+  EXPECT_GE(run_in_pieces("killed.h5", {SIGKILL}, 1.5, 3.0, 3), 1);
+  EXPECT_TRUE(same_bits(whole_, contents(folder_ / "killed.h5")));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "killed.h5.part"));
+}
+
+}  // namespace
+}  // namespace cairn::cli

@@ -1,0 +1,96 @@
+// Scenes of the tests of the program.
+#pragma once
+
+#include <string>
+
+namespace cairn::cli {
+
+/// Forty grains of three shapes fall together and are spun until they fail; every feature of the contacts,
+/// tree gravity. Intervals of series, snapshots and renewals have no common divisor.
+inline const std::string kForty = R"(title = "Forty mixed grains"
+seed = 7
+
+[[cloud]]
+count = 40
+filling = 0.2
+distribution = "uniform"
+size = 6
+size_max = 12
+density = 3000
+material = "rough"
+spin_period = 60000
+[[cloud.shape]]
+shape = "diamond"
+[[cloud.shape]]
+shape = "tetrahedron"
+[[cloud.shape]]
+shape = "sphere"
+
+[[material]]
+name = "rough"
+restitution_normal = 0.5
+restitution_tangential = 0.5
+friction = 0.8
+friction_rolling = 1.0
+friction_twisting = 1.3
+cohesion = 5
+[[material]]
+name = "sticky"
+restitution_normal = 0.1
+restitution_tangential = 0.1
+
+[contact]
+max_overlap = 0.04
+steps_per_contact = 20
+
+[gravity]
+interval = 7
+
+[[stage]]
+name = "collapse"
+duration = 5500
+material = "sticky"
+[[stage]]
+name = "spin-up"
+duration = 3000
+[stage.spin]
+path = [[0, 12000], [3000, 6000]]
+
+[output]
+snapshot_interval = 170
+series_interval = 31
+checkpoint_interval = 1
+)";
+
+/// Two spheres that meet; a run of a moment.
+inline const std::string kTwo = R"(title = "Two balls"
+
+[[body]]
+shape = "sphere"
+size = 1
+density = 2000
+position = [0, 0, 0]
+[[body]]
+shape = "sphere"
+size = 1
+density = 2000
+position = [2.01, 0, 0]
+velocity = [-0.01, 0, 0]
+
+[gravity]
+method = "none"
+
+[[stage]]
+name = "meet"
+duration = 3
+
+[output]
+series_interval = 0.05
+)";
+
+/// The scene with the first `from` replaced.
+inline std::string with(std::string scene, const std::string& from, const std::string& to) {
+  return scene.replace(scene.find(from), from.size(), to);
+}
+
+}  // namespace cairn::cli

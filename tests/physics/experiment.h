@@ -1,0 +1,59 @@
+// One stage of a scene, driven step by step: what the physics tests measure.
+#pragma once
+
+#include <string>
+
+#include "pile/assemble.h"
+#include "sim/step.h"
+
+namespace cairn {
+
+/// The first stage of a scene given as text.
+struct Experiment {
+  Scene scene;
+  State state;
+  Physics physics;
+  Scratch scratch;
+
+  explicit Experiment(const std::string& text) : scene(parse_scene(text, "experiment.toml", ".")) {
+    state.bodies = assemble(scene).bodies;
+    state.remnant.assign(state.bodies.size(), 1);
+    state.walls.planes = make_planes(scene);
+    state.walls.resize(state.bodies.spheres.size());
+    place_spheres(state.bodies);
+  }
+
+  /// Resolves the stage for the bodies as they are now and evaluates the first wrenches.
+  void begin() {
+    physics = resolve_physics(scene, 0, state.bodies, resolve_stiffness(scene, 0, state.bodies));
+    begin_stage(physics, {}, state, scratch);
+    state.clock.steps = physics.steps;
+    state.clock.dt = physics.contacts.dt;
+  }
+
+  void advance(std::uint64_t steps) {
+    for (std::uint64_t k = 0; k < steps; ++k) step(physics, state, scratch);
+  }
+
+  bool touching() const {
+    for (std::size_t slot = 0; slot < state.contacts.slots(); ++slot)
+      if (state.contacts.touching(slot)) return true;
+    return state.walls.touching() > 0;
+  }
+
+  double kinetic_energy() const {
+    const Bodies& bodies = state.bodies;
+    double energy = 0.0;
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      energy += 0.5 * bodies.mass[b] * bodies.velocity[b].squaredNorm() +
+                0.5 * bodies.spin[b].dot(angular_velocity(bodies, b));
+    return energy;
+  }
+
+  double spring_energy() const {
+    return stored_energy(state.bodies, physics.contacts, state.contacts) +
+           state.walls.stored_energy(state.bodies, physics.contacts);
+  }
+};
+
+}  // namespace cairn
