@@ -11,7 +11,7 @@ namespace {
 // Sum2].
 template <int count>
 struct Compensated {
-  using Values = Eigen::Array<double, count, 1>;
+  using Values = Eigen::Vector<double, count>;
   Values sum = Values::Zero(), error = Values::Zero();
 
   Compensated& operator+=(const Values& term) {
@@ -35,14 +35,18 @@ Budget budget(const Bodies& bodies) {
   const std::size_t count = bodies.size();
   if (count == 0) return {};
   Budget result;
-  const Vec3 origin = bodies.position[0];
+  const Vec3 origin = bodies.position[0];  // a point near the bodies, so that a far pile loses nothing
+
   using First = Compensated<7>;
-  const auto first = parallel_sum(count, First{}, [&](std::size_t b) {
-                       const double m = bodies.mass[b];
-                       First::Values term;
-                       term << m, m * (bodies.position[b] - origin).array(), m * bodies.velocity[b].array();
-                       return term;
-                     }).value();
+  const auto first_term = [&](std::size_t b) {
+    const double m = bodies.mass[b];
+    First::Values term;
+    term[0] = m;
+    term.segment<3>(1) = m * (bodies.position[b] - origin);
+    term.segment<3>(4) = m * bodies.velocity[b];
+    return term;
+  };
+  const First::Values first = parallel_sum(count, First{}, first_term).value();
   result.mass = first[0];
   const Vec3 center = first.segment<3>(1) / result.mass;  // from `origin`
   result.center = origin + center;
@@ -50,20 +54,23 @@ Budget budget(const Bodies& bodies) {
   const Vec3 velocity = result.momentum / result.mass;
 
   using Second = Compensated<11>;
-  const auto second =
-      parallel_sum(count, Second{}, [&](std::size_t b) {
-        const double m = bodies.mass[b];
-        const Vec3& spin = bodies.spin[b];
-        const Vec3 p = m * bodies.velocity[b];
-        const Vec3 about_origin = bodies.position[b].cross(p);
-        const Vec3 about_center =
-            ((bodies.position[b] - origin) - center).cross((m * (bodies.velocity[b] - velocity)).eval());
-        Second::Values term;
-        term << (about_origin + spin).array(), (about_center + spin).array(), p.norm(),
-            about_origin.norm() + spin.norm(), about_center.norm() + spin.norm(),
-            0.5 * p.dot(bodies.velocity[b]), 0.5 * spin.dot(angular_velocity(bodies, b));
-        return term;
-      }).value();
+  const auto second_term = [&](std::size_t b) {
+    const Vec3& spin = bodies.spin[b];
+    const Vec3 p = bodies.mass[b] * bodies.velocity[b];
+    const Vec3 arm = (bodies.position[b] - origin) - center;
+    const Vec3 relative = bodies.mass[b] * (bodies.velocity[b] - velocity);
+    const Vec3 about_origin = bodies.position[b].cross(p), about_center = arm.cross(relative);
+    Second::Values term;
+    term.segment<3>(0) = about_origin + spin;
+    term.segment<3>(3) = about_center + spin;
+    term[6] = p.norm();
+    term[7] = about_origin.norm() + spin.norm();
+    term[8] = about_center.norm() + spin.norm();
+    term[9] = 0.5 * p.dot(bodies.velocity[b]);
+    term[10] = 0.5 * spin.dot(angular_velocity(bodies, b));
+    return term;
+  };
+  const Second::Values second = parallel_sum(count, Second{}, second_term).value();
   result.angular_momentum_about_origin = second.segment<3>(0);
   result.angular_momentum_about_center = second.segment<3>(3);
   result.momentum_scale = second[6];

@@ -53,26 +53,31 @@ void check(const Options& options) {
         resolve_physics(scene, k, setup.bodies, resolve_stiffness(scene, k, setup.bodies));
     if (k == 0) cost = time_step_cost(scene, setup, physics);
     steps += static_cast<double>(physics.steps);
-    fmt::print("stage {} '{}'\n  models     {}\n  stiffness  {:.4g} N/m; shortest contact {:.4g} s\n"
-               "  time step  {:.4g} s (longest safe {:.4g} s), {} steps for {:.6g} s\n",
-               k, scene.stages[k].name, describe_models(physics, setup.bodies, !scene.planes.empty()), physics.k_n,
-               physics.contact_time, physics.contacts.dt, kLongestSafeStep * physics.contact_time, physics.steps,
-               scene.stages[k].duration);
+    fmt::print(
+        "stage {} '{}'\n  models     {}\n  stiffness  {:.4g} N/m; shortest contact {:.4g} s\n"
+        "  time step  {:.4g} s (longest safe {:.4g} s), {} steps for {:.6g} s\n",
+        k, scene.stages[k].name, describe_models(physics, setup.bodies, !scene.planes.empty()), physics.k_n,
+        physics.contact_time, physics.contacts.dt, kLongestSafeStep * physics.contact_time, physics.steps,
+        scene.stages[k].duration);
   }
   constexpr double bytes_per_sphere = 900.0;  // spheres, bodies, and six contacts with their histories
-  fmt::print("memory about {:.0f} MB; about {:.3g} min at the speed of the first steps ({:.2f} M sphere-steps/s; dense "
-             "piles have more contacts than clouds)\n",
-             1e-6 * bytes_per_sphere * static_cast<double>(spheres), steps * cost / 60.0,
-             1e-6 * static_cast<double>(spheres) / cost);
+  fmt::print(
+      "memory about {:.0f} MB; about {:.3g} min at the speed of the first steps ({:.2f} M sphere-steps/s; "
+      "dense "
+      "piles have more contacts than clouds)\n",
+      1e-6 * bytes_per_sphere * static_cast<double>(spheres), steps * cost / 60.0,
+      1e-6 * static_cast<double>(spheres) / cost);
 }
 
 }  // namespace
 
 void add_check_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("check", "validate a scene and tell what it requires; changes nothing");
+  CLI::App* command =
+      app.add_subcommand("check", "validate a scene and tell what it requires; changes nothing");
   CLI::Option* scene = command->add_option("scene", options->scene, "scene file (TOML)");
-  CLI::Option* keys = command->add_flag("--keys", options->keys, "print the reference of all scene keys instead");
+  CLI::Option* keys =
+      command->add_flag("--keys", options->keys, "print the reference of all scene keys instead");
   command->callback([=] {
     if (scene->empty() && keys->empty()) throw CLI::RequiredError("scene");
     check(*options);

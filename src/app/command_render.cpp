@@ -38,7 +38,8 @@ struct Coloring {
 };
 
 /// Quantity shown for a sphere: speed of its body against the pile (m/s), or its number of contacts.
-double quantity(const ResultView& view, const SnapshotView& snapshot, const Vec3& drift, ColorBy by, std::size_t s) {
+double quantity(const ResultView& view, const SnapshotView& snapshot, const Vec3& drift, ColorBy by,
+                std::size_t s) {
   if (by == ColorBy::contacts) return snapshot.contacts[s];
   return (snapshot.velocity[view.bodies().spheres.body[s]] - drift).norm();
 }
@@ -84,9 +85,14 @@ std::vector<Ball> balls_of(const ResultView& view, const SnapshotView& snapshot,
     const std::uint32_t b = bodies.spheres.body[s];
     Vec3 color;
     switch (coloring.by) {
-      case ColorBy::shape: color = grain_color(bodies.shape[b], b); break;
-      case ColorBy::body: color = render::id_color(b); break;
-      default: color = render::scalar_color(quantity(view, snapshot, drift, coloring.by, s) / coloring.high);
+      case ColorBy::shape:
+        color = grain_color(bodies.shape[b], b);
+        break;
+      case ColorBy::body:
+        color = render::id_color(b);
+        break;
+      default:
+        color = render::scalar_color(quantity(view, snapshot, drift, coloring.by, s) / coloring.high);
     }
     balls[s] = {snapshot.positions[s].cast<double>(), bodies.spheres.radius[s], color, b};
   }
@@ -102,15 +108,18 @@ std::vector<render::Swatch> shape_key(const ResultView& view) {
   return key;
 }
 
-render::Annotation annotation(const ResultView& view, const SnapshotView& snapshot, const Coloring& coloring) {
+render::Annotation annotation(const ResultView& view, const SnapshotView& snapshot,
+                              const Coloring& coloring) {
   render::Annotation note;
   note.title = view.title();
   std::string line = fmt::format("{}   t = {:.2f} h", snapshot.stage, snapshot.time / 3600.0);
-  if (snapshot.period > 0.0 && snapshot.period < 3.6e6) line += fmt::format("   T = {:.2f} h", snapshot.period / 3600.0);
+  if (snapshot.period > 0.0 && snapshot.period < 3.6e6)
+    line += fmt::format("   T = {:.2f} h", snapshot.period / 3600.0);
   note.lines = {line};
   if (coloring.by == ColorBy::shape) note.key = shape_key(view);
   if (coloring.by == ColorBy::speed) note.color_bar = render::ColorBar{"speed (m/s)", 0.0, coloring.high};
-  if (coloring.by == ColorBy::contacts) note.color_bar = render::ColorBar{"contacts per sphere", 0.0, coloring.high};
+  if (coloring.by == ColorBy::contacts)
+    note.color_bar = render::ColorBar{"contacts per sphere", 0.0, coloring.high};
   return note;
 }
 
@@ -189,7 +198,9 @@ void add_render_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("render", "draw snapshots to PNG, or all of them to an MP4 film");
   command->add_option("results", o->results, "result files, one row of panels each")->required();
   command->add_option("-o,--output", o->output, "FILE.png or FILE.mp4")->required();
-  command->add_option("--at", o->at, "snapshots, one panel each: a number, first, last, failure, all, or a stage")
+  command
+      ->add_option("--at", o->at,
+                   "snapshots, one panel each: a number, first, last, failure, all, or a stage")
       ->delimiter(',')
       ->capture_default_str();
   const std::map<std::string, ColorBy> colors{{"shape", ColorBy::shape},
@@ -198,12 +209,18 @@ void add_render_command(CLI::App& app) {
                                               {"contacts", ColorBy::contacts}};
   command->add_option("--color", o->color, "shape, body, speed or contacts")
       ->transform(CLI::CheckedTransformer(colors, CLI::ignore_case));
-  command->add_option("--width", o->width, "pixels of a panel")->check(CLI::Range(16, 16384))->capture_default_str();
-  command->add_option("--height", o->height, "pixels of a panel")->check(CLI::Range(16, 16384))->capture_default_str();
+  command->add_option("--width", o->width, "pixels of a panel")
+      ->check(CLI::Range(16, 16384))
+      ->capture_default_str();
+  command->add_option("--height", o->height, "pixels of a panel")
+      ->check(CLI::Range(16, 16384))
+      ->capture_default_str();
   command->add_option("--from", o->direction, "x y z: from the pile towards the viewer")->expected(3);
   command->add_option("--region", o->region, "width of what is seen (m); chosen to fit when absent")
       ->check(CLI::PositiveNumber);
-  command->add_option("--fps", o->fps, "frames per second of a film")->check(CLI::Range(1.0, 120.0))->capture_default_str();
+  command->add_option("--fps", o->fps, "frames per second of a film")
+      ->check(CLI::Range(1.0, 120.0))
+      ->capture_default_str();
   command->add_flag("--dark", o->dark, "dark ground");
   command->add_flag("--draft", o->draft, "fewer rays: faster, grainier");
   command->callback([o] { render_results(*o); });

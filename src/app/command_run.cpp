@@ -44,7 +44,8 @@ CLI::App* add_start(CLI::App& app, const char* name, const char* help) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(name, help);
   command->add_option("scene", options->scene, "scene file (TOML)")->required();
-  command->add_option("-o,--output", options->output, "result file (HDF5); default: the scene's name with .h5");
+  command->add_option("-o,--output", options->output,
+                      "result file (HDF5); default: the scene's name with .h5");
   command->add_flag("-f,--force", options->force, "replace an existing result file");
   command->callback([options] { start(*options); });
   return command;
@@ -53,10 +54,12 @@ CLI::App* add_start(CLI::App& app, const char* name, const char* help) {
 }  // namespace
 
 void add_run_commands(CLI::App& app) {
-  add_start(app, "build", "make a pile: run the stages of a scene, for other scenes to start from (pile = FILE)");
+  add_start(app, "build",
+            "make a pile: run the stages of a scene, for other scenes to start from (pile = FILE)");
   add_start(app, "run", "run a scene: progress, checkpoints, results; Ctrl-C leaves a file to resume");
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("resume", "continue an interrupted run, bitwise as if it had not stopped");
+  CLI::App* command =
+      app.add_subcommand("resume", "continue an interrupted run, bitwise as if it had not stopped");
   command->add_option("result", options->output, "result file of the run")->required();
   command->callback([options] { resume(*options); });
 }

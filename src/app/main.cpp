@@ -1,5 +1,5 @@
-// cairn: rubble piles of glued-sphere grains. Exit codes: 0 done, 2 bad input or unusable file, 3 the physics left
-// its bounds, 130 interrupted.
+// cairn: rubble piles of glued-sphere grains. Exit codes: 0 done, 2 bad input or unusable file, 3 the physics
+// left its bounds, 130 interrupted.
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 

@@ -19,10 +19,13 @@ ResultView::ResultView(const std::filesystem::path& path) : file_(ResultFile::op
   file_.read_attributes(attributes.table());
   title_ = attributes.title;
   for (std::uint32_t s : state_.bodies.shape)
-    if (s >= shapes_.size()) throw InputError("{}: bodies/shape: found {}, there are {} shapes", path.string(), s, shapes_.size());
+    if (s >= shapes_.size())
+      throw InputError("{}: bodies/shape: found {}, there are {} shapes", path.string(), s, shapes_.size());
 }
 
-std::string ResultView::outcome() const { return file_.finished() ? file_.outcome() : "unfinished"; }
+std::string ResultView::outcome() const {
+  return file_.finished() ? file_.outcome() : "unfinished";
+}
 
 SnapshotView ResultView::snapshot(std::size_t k) const {
   SnapshotView s;
@@ -70,8 +73,9 @@ std::vector<std::size_t> ResultView::select(const std::string& which) const {
   }
   for (std::size_t k = n; k-- > 0;)
     if (file_.snapshots()[k].stage == which) return {k};
-  throw InputError("{}: no snapshot '{}'; expected a number from 0 to {}, first, last, failure, all or a stage",
-                   file_.path().string(), which, n - 1);
+  throw InputError(
+      "{}: no snapshot '{}'; expected a number from 0 to {}, first, last, failure, all or a stage",
+      file_.path().string(), which, n - 1);
 }
 
 }  // namespace cairn

@@ -12,13 +12,13 @@ namespace cairn {
 
 /// Bodies and spheres at one time.
 struct SnapshotView {
-  double time = 0.0, period = 0.0;             ///< s
+  double time = 0.0, period = 0.0;  ///< s
   std::string stage;
   bool failed = false;
-  std::vector<Vec3f> positions;                ///< m, of spheres
-  std::vector<std::uint16_t> contacts;         ///< of spheres
-  std::vector<std::uint8_t> remnant;           ///< of bodies
-  std::vector<Vec3> velocity;                  ///< m/s, of bodies
+  std::vector<Vec3f> positions;         ///< m, of spheres
+  std::vector<std::uint16_t> contacts;  ///< of spheres
+  std::vector<std::uint8_t> remnant;    ///< of bodies
+  std::vector<Vec3> velocity;           ///< m/s, of bodies
 };
 
 /// @throws InputError from every member when the file is damaged or not a result file.
@@ -37,8 +37,8 @@ class ResultView {
   std::vector<double> series(const std::string& column) const { return file_.read_series(column); }
   /// Start of the first stage with spin control, or of the run (s).
   double control_start() const;
-  /// Numbers of the snapshots that `which` names: a number, "first", "last", "failure", the name of a stage (its
-  /// last snapshot), or "all". @throws InputError listing what there is.
+  /// Numbers of the snapshots that `which` names: a number, "first", "last", "failure", the name of a stage
+  /// (its last snapshot), or "all". @throws InputError listing what there is.
   std::vector<std::size_t> select(const std::string& which) const;
 
  private:

@@ -34,7 +34,8 @@ class SignalGuard {
   SignalGuard& operator=(const SignalGuard&) = delete;
 
  private:
-  struct sigaction interrupt_ {}, terminate_ {};
+  struct sigaction interrupt_ {
+  }, terminate_{};
 };
 
 std::string clock_text(double seconds) {
@@ -68,13 +69,15 @@ class ProgressBar {
     const double done = static_cast<double>(clock.step) / static_cast<double>(clock.steps);
     const int filled = static_cast<int>(20.0 * done);
     const Observation& o = run.last_observation();
-    std::string spin = o.period > 0.0 && o.period < 3.6e6 ? fmt::format("  T {:.3f} h", o.period / 3600.0) : "";
+    std::string spin =
+        o.period > 0.0 && o.period < 3.6e6 ? fmt::format("  T {:.3f} h", o.period / 3600.0) : "";
     std::string shed = o.shed_bodies > 0.0 ? fmt::format("  {} apart", o.shed_bodies) : "";
-    fmt::print(stderr, "{}{:<10} [{}{}] {:5.1f} %  {:.2f} M sphere-steps/s  left {}{}{}{}", terminal ? "\r" : "",
-               run.scene().stages[clock.stage].name, std::string(filled, '#'), std::string(20 - filled, '.'),
-               100.0 * done, 1e-6 * rate_ * static_cast<double>(run.sphere_count()),
-               clock_text(rate_ > 0.0 ? static_cast<double>(clock.steps - clock.step) / rate_ : 1e9), spin, shed,
-               terminal ? "\x1b[K" : "\n");
+    fmt::print(stderr, "{}{:<10} [{}{}] {:5.1f} %  {:.2f} M sphere-steps/s  left {}{}{}{}",
+               terminal ? "\r" : "", run.scene().stages[clock.stage].name, std::string(filled, '#'),
+               std::string(20 - filled, '.'), 100.0 * done,
+               1e-6 * rate_ * static_cast<double>(run.sphere_count()),
+               clock_text(rate_ > 0.0 ? static_cast<double>(clock.steps - clock.step) / rate_ : 1e9), spin,
+               shed, terminal ? "\x1b[K" : "\n");
     std::fflush(stderr);
   }
   void newline() const {

@@ -14,9 +14,13 @@ namespace cairn {
 
 namespace {
 
-std::string hours(double seconds) { return seconds > 0.0 ? fmt::format("{:.3f} h", seconds / 3600.0) : "none"; }
+std::string hours(double seconds) {
+  return seconds > 0.0 && std::isfinite(seconds) ? fmt::format("{:.3f} h", seconds / 3600.0) : "none";
+}
 
-double last(const ResultView& view, const char* column) { return view.series(column).back(); }
+double last(const ResultView& view, const char* column) {
+  return view.series(column).back();
+}
 
 double largest(const ResultView& view, const char* column) {
   double most = 0.0;
@@ -47,7 +51,8 @@ const std::vector<Row>& rows() {
       {"failure at period", [](auto& v) { return hours(v.control().failure_period); }},
       {"c/a before failure",
        [](auto& v) {
-         return v.control().start_ratio > 0.0 ? fmt::format("{:.3f}", v.control().start_ratio) : std::string("-");
+         return v.control().start_ratio > 0.0 ? fmt::format("{:.3f}", v.control().start_ratio)
+                                              : std::string("-");
        }},
       {"b/a, c/a at the end",
        [](auto& v) { return fmt::format("{:.3f}, {:.3f}", last(v, "b_over_a"), last(v, "c_over_a")); }},
@@ -56,10 +61,13 @@ const std::vector<Row>& rows() {
        [](auto& v) { return fmt::format("{:.2f}", value_at(v, "coordination", v.control_start())); }},
       {"coordination at the end", [](auto& v) { return fmt::format("{:.2f}", last(v, "coordination")); }},
       {"bodies shed", [](auto& v) { return fmt::format("{:.0f}", last(v, "shed_bodies")); }},
-      {"mass shed", [](auto& v) { return fmt::format("{:.2f} %", 100.0 * (1.0 - last(v, "remnant_mass_fraction"))); }},
-      {"largest overlap", [](auto& v) { return fmt::format("{:.2f} %", 100.0 * largest(v, "largest_overlap")); }},
+      {"mass shed",
+       [](auto& v) { return fmt::format("{:.2f} %", 100.0 * (1.0 - last(v, "remnant_mass_fraction"))); }},
+      {"largest overlap",
+       [](auto& v) { return fmt::format("{:.2f} %", 100.0 * largest(v, "largest_overlap")); }},
       {"drift of momentum", [](auto& v) { return fmt::format("{:.1e}", last(v, "momentum_drift")); }},
-      {"drift of angular momentum", [](auto& v) { return fmt::format("{:.1e}", last(v, "angular_momentum_drift")); }},
+      {"drift of angular momentum",
+       [](auto& v) { return fmt::format("{:.1e}", last(v, "angular_momentum_drift")); }},
       {"outcome", [](auto& v) { return v.outcome(); }},
   };
   return table;
@@ -88,7 +96,8 @@ void print_phase_times(const Run& run, double seconds, std::uint64_t steps) {
   fmt::print("{} steps in {:.1f} s: {:.2f} million sphere-steps per second\n", steps, seconds,
              1e-6 * static_cast<double>(steps) * static_cast<double>(run.sphere_count()) / seconds);
   for (std::size_t k = 0; k < times.size(); ++k)
-    fmt::print("  {:<10}{:>9.2f} s {:>6.1f} %\n", kPhaseNames[k], times[k], 100.0 * times[k] / std::max(counted, 1e-9));
+    fmt::print("  {:<10}{:>9.2f} s {:>6.1f} %\n", kPhaseNames[k], times[k],
+               100.0 * times[k] / std::max(counted, 1e-9));
 }
 
 void add_summary_command(CLI::App& app) {

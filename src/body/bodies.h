@@ -10,11 +10,11 @@ namespace cairn {
 
 /// Spheres; sphere i belongs to exactly one body. The spheres of a body are contiguous.
 struct Spheres {
-  std::vector<double> radius;         ///< m
-  std::vector<double> mass;           ///< kg, what gravity pulls; sums to the body's mass
-  std::vector<Vec3> offset;           ///< m, from the body's centre of mass, in the body's principal frame
+  std::vector<double> radius;  ///< m
+  std::vector<double> mass;    ///< kg, what gravity pulls; sums to the body's mass
+  std::vector<Vec3> offset;    ///< m, from the body's centre of mass, in the body's principal frame
   std::vector<std::uint32_t> body;
-  std::vector<Vec3> position;         ///< m, space frame; derived from the bodies by place_spheres
+  std::vector<Vec3> position;  ///< m, space frame; derived from the bodies by place_spheres
 
   std::size_t size() const { return radius.size(); }
 };
@@ -22,20 +22,20 @@ struct Spheres {
 /// Rigid bodies; a loose sphere is a body of one sphere. Momenta are carried, velocities derived.
 struct Bodies {
   // Constant.
-  std::vector<double> mass;                  ///< kg
-  std::vector<Vec3> inertia;                 ///< kg m^2, principal moments
-  std::vector<std::uint32_t> shape;          ///< index into the scene's shapes
-  std::vector<double> length;                ///< m, the size that scales the shape
+  std::vector<double> mass;          ///< kg
+  std::vector<Vec3> inertia;         ///< kg m^2, principal moments
+  std::vector<std::uint32_t> shape;  ///< index into the scene's shapes
+  std::vector<double> length;        ///< m, the size that scales the shape
   std::vector<std::uint16_t> material;
-  std::vector<std::uint32_t> first_sphere;   ///< size() + 1 entries
+  std::vector<std::uint32_t> first_sphere;  ///< size() + 1 entries
   // Pose and momentum.
-  std::vector<Vec3> position;                ///< m, centre of mass
-  std::vector<Vec3> velocity;                ///< m/s
-  std::vector<Quat> orientation;             ///< principal frame -> space frame
-  std::vector<Vec3> spin;                    ///< kg m^2/s, angular momentum about the centre of mass, space frame
+  std::vector<Vec3> position;     ///< m, centre of mass
+  std::vector<Vec3> velocity;     ///< m/s
+  std::vector<Quat> orientation;  ///< principal frame -> space frame
+  std::vector<Vec3> spin;         ///< kg m^2/s, angular momentum about the centre of mass, space frame
   // Wrench of the last evaluation, about the centre of mass.
-  std::vector<Vec3> force;                   ///< N
-  std::vector<Vec3> torque;                  ///< N m
+  std::vector<Vec3> force;   ///< N
+  std::vector<Vec3> torque;  ///< N m
 
   Spheres spheres;
 

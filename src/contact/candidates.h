@@ -26,7 +26,8 @@ class Candidates {
 
   /// Searches afresh; histories in `contacts` are carried over.
   /// @throws UnstableError when a position is not finite.
-  void rebuild(const Bodies& bodies, const RigidMotion& motion, const Features& features, ContactList& contacts);
+  void rebuild(const Bodies& bodies, const RigidMotion& motion, const Features& features,
+               ContactList& contacts);
 
   /// Tells the age of the list in steps when it expired, to adapt the skin. The result of the run does not
   /// depend on the skin.
@@ -37,8 +38,8 @@ class Candidates {
   std::vector<Vec3> reference_;  ///< sphere centres at the rebuild, relative to the motion's centre
   std::vector<Pair> pairs_;
   RigidMotion motion_;
-  double skin_ = 0.0;            ///< m; 0: not chosen yet
-  double smallest_ = 0.0;        ///< m, smallest sphere radius
+  double skin_ = 0.0;      ///< m; 0: not chosen yet
+  double smallest_ = 0.0;  ///< m, smallest sphere radius
 };
 
 }  // namespace cairn

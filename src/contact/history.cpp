@@ -74,7 +74,8 @@ void ContactList::restore(const std::vector<ContactRecord>& records) {
   for (const ContactRecord& record : records) {
     while (slot < slots() && (pairs_[slot].i != record.i || pairs_[slot].j != record.j)) ++slot;
     if (slot == slots())
-      throw InputError("contact of spheres {} and {}: not a pair of neighbours in this order", record.i, record.j);
+      throw InputError("contact of spheres {} and {}: not a pair of neighbours in this order", record.i,
+                       record.j);
     set_memory(slot, record.memory);
   }
 }

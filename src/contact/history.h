@@ -18,9 +18,9 @@ struct ContactRecord {
 
 /// Force and torques of one contact; torques about the sphere centres, rolling and twisting included.
 struct ContactWrench {
-  double force[3];      ///< N, on i; j gets the opposite
-  double torque_i[3];   ///< N m
-  double torque_j[3];   ///< N m
+  double force[3];     ///< N, on i; j gets the opposite
+  double torque_i[3];  ///< N m
+  double torque_j[3];  ///< N m
 };
 
 /// Candidate pairs ("slots") sorted by (i, j), their histories and wrenches.
@@ -49,9 +49,9 @@ class ContactList {
   /// Slots in which sphere s is the second partner: second[second_begin[s]] ... in increasing order.
   std::vector<std::uint32_t> second_begin, second;
 
-  std::vector<double> c_n, c_s;                         ///< c_n < 0: not touching
-  std::vector<double> slide[3], roll[3], twist;         ///< empty when the features lack them
-  std::vector<ContactWrench> wrench;                    ///< zero where not touching
+  std::vector<double> c_n, c_s;                  ///< c_n < 0: not touching
+  std::vector<double> slide[3], roll[3], twist;  ///< empty when the features lack them
+  std::vector<ContactWrench> wrench;             ///< zero where not touching
 
  private:
   std::vector<Pair> pairs_;

@@ -14,7 +14,7 @@ struct alignas(128) SphereMotion {
   double velocity_mid[3];
   double spin_mid[3];  ///< angular velocity of the body, rad/s
   double velocity[3];
-  double spin[3];      ///< angular velocity of the body, rad/s
+  double spin[3];  ///< angular velocity of the body, rad/s
 };
 static_assert(sizeof(SphereMotion) == 128);
 

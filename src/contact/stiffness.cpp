@@ -92,7 +92,8 @@ double choose_stiffness(const Bodies& bodies, const ContactDemand& demand) {
   return std::max(impact, force / overlap);
 }
 
-double shortest_contact_time(const Bodies& bodies, double k_n, double shape_factor, bool rolling, bool walls) {
+double shortest_contact_time(const Bodies& bodies, double k_n, double shape_factor, bool rolling,
+                             bool walls) {
   const auto& radii = bodies.spheres.radius;
   std::map<std::uint32_t, Mobility> mobility;  // M times the mobility does not depend on size or density
   double normal = 0.0, tangential = 0.0, roll = 0.0;
@@ -109,7 +110,8 @@ double shortest_contact_time(const Bodies& bodies, double k_n, double shape_fact
   if (rolling) {
     const auto [least, most] = std::minmax_element(radii.begin(), radii.end());
     const double ratio = walls ? 0.0 : *least / *most;  // of the partners' radii: R = r / (1 + ratio)
-    const double patch = shape_factor * shape_factor * roll * (1.0 + ratio * ratio) / ((1.0 + ratio) * (1.0 + ratio));
+    const double patch =
+        shape_factor * shape_factor * roll * (1.0 + ratio * ratio) / ((1.0 + ratio) * (1.0 + ratio));
     fastest = std::max(fastest, std::max(1.0, 2.0 * kTangentialRatio) * k_n * patch);
   }
   return kPi / std::sqrt(fastest);

@@ -8,17 +8,17 @@ namespace cairn {
 
 /// What the contacts must bear.
 struct ContactDemand {
-  double max_overlap = 0.01;    ///< aimed at, of the smallest sphere radius
-  double impact_speed = 0.0;    ///< m/s
-  double field = 0.0;           ///< m/s^2, magnitude of the uniform field
+  double max_overlap = 0.01;  ///< aimed at, of the smallest sphere radius
+  double impact_speed = 0.0;  ///< m/s
+  double field = 0.0;         ///< m/s^2, magnitude of the uniform field
   bool self_gravity = false;
-  double cohesion = 0.0;        ///< Pa, strongest
-  double shape_factor = 0.5;    ///< beta, largest
+  double cohesion = 0.0;      ///< Pa, strongest
+  double shape_factor = 0.5;  ///< beta, largest
 };
 
-/// Smallest normal stiffness (N/m) that keeps overlaps near the aim: k >= M (v / x)^2 for impacts and k >= F / x
-/// for the static load: pressure at the centre of the pile, 8 times for force chains, and cohesion
-/// [Zhang et al. 2017, section 2.2]. 0 when nothing loads the contacts.
+/// Smallest normal stiffness (N/m) that keeps overlaps near the aim: k >= M (v / x)^2 for impacts and k >= F
+/// / x for the static load: pressure at the centre of the pile, 8 times for force chains, and cohesion [Zhang
+/// et al. 2017, section 2.2]. 0 when nothing loads the contacts.
 double choose_stiffness(const Bodies& bodies, const ContactDemand& demand);
 
 /// Escape speed (m/s) from the surface of the pile the bodies would make at 60 % packing.

@@ -25,7 +25,8 @@ struct MotionBatch {
   Batch radius;
 };
 
-CAIRN_INLINE MotionBatch load_motions(const std::vector<SphereMotion>& motions, const std::uint32_t (&index)[kLanes]) {
+CAIRN_INLINE MotionBatch load_motions(const std::vector<SphereMotion>& motions,
+                                      const std::uint32_t (&index)[kLanes]) {
   const double *low[kLanes], *high[kLanes];
   for (std::size_t l = 0; l < kLanes; ++l) {
     low[l] = motions[index[l]].position;
@@ -53,12 +54,14 @@ CAIRN_INLINE void scatter(std::vector<double>& to, const std::uint32_t (&slot)[k
 }
 
 template <Features F>
-CAIRN_INLINE ContactMemory<Batch> load_memory(const ContactList& contacts, const std::uint32_t (&slot)[kLanes]) {
+CAIRN_INLINE ContactMemory<Batch> load_memory(const ContactList& contacts,
+                                              const std::uint32_t (&slot)[kLanes]) {
   ContactMemory<Batch> m;
   m.c_n = gather(contacts.c_n, slot);
   if constexpr (F.tangential) {
     m.c_s = gather(contacts.c_s, slot);
-    m.slide = {gather(contacts.slide[0], slot), gather(contacts.slide[1], slot), gather(contacts.slide[2], slot)};
+    m.slide = {gather(contacts.slide[0], slot), gather(contacts.slide[1], slot),
+               gather(contacts.slide[2], slot)};
   }
   if constexpr (F.rolling)
     m.roll = {gather(contacts.roll[0], slot), gather(contacts.roll[1], slot), gather(contacts.roll[2], slot)};
@@ -67,7 +70,8 @@ CAIRN_INLINE ContactMemory<Batch> load_memory(const ContactList& contacts, const
 }
 
 template <Features F>
-CAIRN_INLINE void store_springs(ContactList& contacts, const std::uint32_t (&slot)[kLanes], const ContactMemory<Batch>& m) {
+CAIRN_INLINE void store_springs(ContactList& contacts, const std::uint32_t (&slot)[kLanes],
+                                const ContactMemory<Batch>& m) {
   if constexpr (F.tangential) {
     scatter(contacts.slide[0], slot, m.slide.x);
     scatter(contacts.slide[1], slot, m.slide.y);
@@ -97,11 +101,13 @@ LawConstants<Batch> gather_laws(const Bodies& bodies, const SweepSettings& setti
   return out;
 }
 
-CAIRN_INLINE void store_wrenches(ContactList& contacts, const std::uint32_t (&slot)[kLanes], const Triple<Batch>& force,
-                    const Triple<Batch>& torque_i, const Triple<Batch>& torque_j) {
+CAIRN_INLINE void store_wrenches(ContactList& contacts, const std::uint32_t (&slot)[kLanes],
+                                 const Triple<Batch>& force, const Triple<Batch>& torque_i,
+                                 const Triple<Batch>& torque_j) {
   double* rows[kLanes];
   for (std::size_t l = 0; l < kLanes; ++l) rows[l] = contacts.wrench[slot[l]].force;
-  store_transposed({force.x, force.y, force.z, torque_i.x, torque_i.y, torque_i.z, torque_j.x, torque_j.y}, rows);
+  store_transposed({force.x, force.y, force.z, torque_i.x, torque_i.y, torque_i.z, torque_j.x, torque_j.y},
+                   rows);
   for (std::size_t l = 0; l < kLanes; ++l) rows[l][8] = torque_j.z[l];
 }
 
@@ -164,7 +170,12 @@ class Block {
  public:
   Block(const Bodies& bodies, const std::vector<SphereMotion>& motions, const SweepSettings& settings,
         ContactList& contacts, std::size_t begin, std::size_t end)
-      : bodies_(bodies), motions_(motions), settings_(settings), contacts_(contacts), begin_(begin), end_(end) {}
+      : bodies_(bodies),
+        motions_(motions),
+        settings_(settings),
+        contacts_(contacts),
+        begin_(begin),
+        end_(end) {}
 
   template <Features F>
   SweepReport run(std::vector<std::uint32_t>& active) {
@@ -175,7 +186,8 @@ class Block {
       std::uint32_t slot[kLanes];
       Mask fresh{}, used{};
       bool any_fresh = false;
-      for (std::size_t l = 0; l < kLanes; ++l) {  // spare lanes repeat the last contact: same values, same slot
+      for (std::size_t l = 0; l < kLanes;
+           ++l) {  // spare lanes repeat the last contact: same values, same slot
         const std::size_t at = std::min(k + l, count - 1);
         slot[l] = active[at];
         used.v[l] = k + l < count ? -1 : 0;
@@ -244,7 +256,8 @@ Inertia inertia_of(const Bodies& bodies, std::size_t b) {
 
 }  // namespace
 
-void set_damping(const Bodies& bodies, const SweepSettings& settings, ContactList& contacts, std::size_t slot) {
+void set_damping(const Bodies& bodies, const SweepSettings& settings, ContactList& contacts,
+                 std::size_t slot) {
   const Spheres& spheres = bodies.spheres;
   const Pair& pair = contacts.pair(slot);
   const PairLaw& law = law_of(bodies, settings, pair);
@@ -267,8 +280,8 @@ void set_damping(const Bodies& bodies, const SweepSettings& settings, ContactLis
   contacts.c_s[slot] = law.damping_s * std::sqrt(law.k_s * mu.tangential);
 }
 
-SweepReport sweep(const Bodies& bodies, const std::vector<SphereMotion>& motions, const SweepSettings& settings,
-                  ContactList& contacts) {
+SweepReport sweep(const Bodies& bodies, const std::vector<SphereMotion>& motions,
+                  const SweepSettings& settings, ContactList& contacts) {
   const std::size_t spheres = motions.size();
   std::vector<SweepReport> reports((spheres + kBlock - 1) / kBlock);
   with_features(settings.features, [&]<Features F>() {

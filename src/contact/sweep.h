@@ -12,10 +12,10 @@ namespace cairn {
 
 /// What the sweep needs beside motions and contacts.
 struct SweepSettings {
-  double dt = 0.0;                 ///< s
+  double dt = 0.0;  ///< s
   Features features;
-  bool sphere_damping = false;     ///< damping from sphere masses instead of effective masses
-  std::vector<PairLaw> laws;       ///< materials x materials
+  bool sphere_damping = false;  ///< damping from sphere masses instead of effective masses
+  std::vector<PairLaw> laws;    ///< materials x materials
   std::size_t materials = 1;
   std::vector<std::uint16_t> material;  ///< of each body
 };
@@ -28,14 +28,15 @@ struct SweepReport {
 
 /// Evaluates every touching pair: histories and wrenches are updated in place.
 /// Two spheres with one centre have no normal: their overlap ratio is 2, the wrench meaningless.
-SweepReport sweep(const Bodies& bodies, const std::vector<SphereMotion>& motions, const SweepSettings& settings,
-                  ContactList& contacts);
+SweepReport sweep(const Bodies& bodies, const std::vector<SphereMotion>& motions,
+                  const SweepSettings& settings, ContactList& contacts);
 
 /// The touching pair with the greatest overlap over its smaller radius; i == j when nothing touches.
 Pair deepest_pair(const Bodies& bodies, const ContactList& contacts);
 
 /// Dashpot constants of a pair from its effective masses at the present poses.
-void set_damping(const Bodies& bodies, const SweepSettings& settings, ContactList& contacts, std::size_t slot);
+void set_damping(const Bodies& bodies, const SweepSettings& settings, ContactList& contacts,
+                 std::size_t slot);
 
 /// Adds contact forces and torques to the bodies' wrenches, in the order of sphere ids.
 void gather_wrenches(const ContactList& contacts, Bodies& bodies);

@@ -7,9 +7,15 @@ namespace cairn {
 
 namespace {
 
-Triple<double> triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-Triple<double> triple(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
-Vec3 vector(const Triple<double>& t) { return {t.x, t.y, t.z}; }
+Triple<double> triple(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+Triple<double> triple(const double (&v)[3]) {
+  return {v[0], v[1], v[2]};
+}
+Vec3 vector(const Triple<double>& t) {
+  return {t.x, t.y, t.z};
+}
 
 constexpr ContactMemory<double> kApart{.c_n = -1.0, .c_s = 0.0, .slide = {}, .roll = {}, .twist = 0.0};
 
@@ -48,7 +54,8 @@ void Walls::set_laws(const std::vector<Material>& materials, const std::vector<M
   laws_.clear();
   materials_ = materials.size();
   for (const Plane& plane : planes)
-    for (const Material& m : materials) laws_.push_back(make_pair_law(plane_materials[plane.material], m, k_n));
+    for (const Material& m : materials)
+      laws_.push_back(make_pair_law(plane_materials[plane.material], m, k_n));
 }
 
 void Walls::resize(std::size_t spheres) {
@@ -140,8 +147,8 @@ double Walls::stored_energy(const Bodies& bodies, const SweepSettings& settings)
         if (memory.c_n < 0.0) continue;
         const double radius = bodies.spheres.radius[s];
         const double arm = (bodies.spheres.position[s] - planes[p].point).dot(planes[p].normal);
-        energy += cairn::stored_energy<F>(LawConstants<double>(law(bodies, settings, p, s)), radius - arm, radius,
-                                          memory);
+        energy += cairn::stored_energy<F>(LawConstants<double>(law(bodies, settings, p, s)), radius - arm,
+                                          radius, memory);
       }
   });
   return energy;

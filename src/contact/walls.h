@@ -23,13 +23,15 @@ class Walls {
   std::vector<Plane> planes;
 
   /// Constants of every plane with every body material at normal stiffness k_n (N/m).
-  void set_laws(const std::vector<Material>& materials, const std::vector<Material>& plane_materials, double k_n);
+  void set_laws(const std::vector<Material>& materials, const std::vector<Material>& plane_materials,
+                double k_n);
   /// Makes room for the contacts of `spheres` spheres; histories are cleared.
   void resize(std::size_t spheres);
   /// Adds wall forces and torques to the bodies' wrenches.
   SweepReport sweep(const std::vector<SphereMotion>& motions, const SweepSettings& settings, Bodies& bodies);
   /// Dashpot constants of a touching pair at the present pose.
-  void set_damping(const Bodies& bodies, const SweepSettings& settings, std::size_t plane, std::size_t sphere);
+  void set_damping(const Bodies& bodies, const SweepSettings& settings, std::size_t plane,
+                   std::size_t sphere);
 
   std::size_t touching() const;
   double stored_energy(const Bodies& bodies, const SweepSettings& settings) const;
@@ -41,7 +43,7 @@ class Walls {
   const PairLaw& law(const Bodies& bodies, const SweepSettings& settings, std::size_t plane,
                      std::size_t sphere) const;
 
-  std::vector<PairLaw> laws_;                  ///< plane x material
+  std::vector<PairLaw> laws_;  ///< plane x material
   std::size_t materials_ = 0;
   std::vector<ContactMemory<double>> memory_;  ///< plane x sphere; c_n < 0: not touching
   std::size_t spheres_ = 0;

@@ -25,9 +25,13 @@ std::uint64_t Random::bits() {
   return (std::uint64_t{block[1]} << 32) | block[0];
 }
 
-double Random::uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
+double Random::uniform() {
+  return static_cast<double>(bits() >> 11) * 0x1p-53;
+}
 
-double Random::uniform(double low, double high) { return low + (high - low) * uniform(); }
+double Random::uniform(double low, double high) {
+  return low + (high - low) * uniform();
+}
 
 Vec3 Random::direction() {
   const double z = uniform(-1.0, 1.0);

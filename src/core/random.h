@@ -14,12 +14,12 @@ class Random {
   /// Independent sequences for different (seed, stream) pairs.
   Random(std::uint64_t seed, std::uint64_t stream) : seed_(seed), stream_(stream) {}
 
-  std::uint64_t bits();              ///< 64 random bits
-  double uniform();                  ///< uniform in [0, 1)
+  std::uint64_t bits();  ///< 64 random bits
+  double uniform();      ///< uniform in [0, 1)
   double uniform(double low, double high);
-  Vec3 direction();                  ///< uniform on the unit sphere
-  Vec3 in_ball();                    ///< uniform in the unit ball
-  Quat rotation();                   ///< uniform over rotations [Shoemake 1992]
+  Vec3 direction();  ///< uniform on the unit sphere
+  Vec3 in_ball();    ///< uniform in the unit ball
+  Quat rotation();   ///< uniform over rotations [Shoemake 1992]
 
  private:
   std::uint64_t seed_, stream_, counter_ = 0;

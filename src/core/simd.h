@@ -35,7 +35,10 @@ struct Batch {
   CAIRN_INLINE friend Batch operator*(Batch a, Batch b) { return a.v * b.v; }
   CAIRN_INLINE friend Batch operator/(Batch a, Batch b) { return a.v / b.v; }
   CAIRN_INLINE friend Batch operator-(Batch a) { return -a.v; }
-  Batch& operator+=(Batch a) { v += a.v; return *this; }
+  Batch& operator+=(Batch a) {
+    v += a.v;
+    return *this;
+  }
   CAIRN_INLINE friend Mask operator<(Batch a, Batch b) { return {a.v < b.v}; }
   CAIRN_INLINE friend Mask operator>(Batch a, Batch b) { return {a.v > b.v}; }
 };
@@ -45,25 +48,45 @@ CAIRN_INLINE bool any(Mask m) {
   for (std::size_t l = 0; l < kLanes; ++l) bits |= m.v[l];
   return bits != 0;
 }
-CAIRN_INLINE bool any(bool m) { return m; }
+CAIRN_INLINE bool any(bool m) {
+  return m;
+}
 
-CAIRN_INLINE Batch select(Mask m, Batch yes, Batch no) { return m.v ? yes.v : no.v; }
-CAIRN_INLINE double select(bool m, double yes, double no) { return m ? yes : no; }
+CAIRN_INLINE Batch select(Mask m, Batch yes, Batch no) {
+  return m.v ? yes.v : no.v;
+}
+CAIRN_INLINE double select(bool m, double yes, double no) {
+  return m ? yes : no;
+}
 
-CAIRN_INLINE Batch min(Batch a, Batch b) { return a.v < b.v ? a.v : b.v; }
-CAIRN_INLINE Batch max(Batch a, Batch b) { return a.v > b.v ? a.v : b.v; }
-CAIRN_INLINE double min(double a, double b) { return a < b ? a : b; }
-CAIRN_INLINE double max(double a, double b) { return a > b ? a : b; }
+CAIRN_INLINE Batch min(Batch a, Batch b) {
+  return a.v < b.v ? a.v : b.v;
+}
+CAIRN_INLINE Batch max(Batch a, Batch b) {
+  return a.v > b.v ? a.v : b.v;
+}
+CAIRN_INLINE double min(double a, double b) {
+  return a < b ? a : b;
+}
+CAIRN_INLINE double max(double a, double b) {
+  return a > b ? a : b;
+}
 
 CAIRN_INLINE Batch sqrt(Batch a) {
   Batch r;
   for (std::size_t l = 0; l < kLanes; ++l) r.v[l] = __builtin_sqrt(a.v[l]);
   return r;
 }
-CAIRN_INLINE double sqrt(double a) { return __builtin_sqrt(a); }
+CAIRN_INLINE double sqrt(double a) {
+  return __builtin_sqrt(a);
+}
 
-CAIRN_INLINE Batch abs(Batch a) { return max(a, -a); }
-CAIRN_INLINE double abs(double a) { return __builtin_fabs(a); }
+CAIRN_INLINE Batch abs(Batch a) {
+  return max(a, -a);
+}
+CAIRN_INLINE double abs(double a) {
+  return __builtin_fabs(a);
+}
 
 /// a * b + c, fused where the instruction set has it.
 CAIRN_INLINE double fma(double a, double b, double c) {
@@ -141,8 +164,12 @@ CAIRN_INLINE void store_transposed(const Batch (&in)[kLanes], double* const (&ro
 template <class T>
 struct Triple {
   T x, y, z;
-  CAIRN_INLINE friend Triple operator+(const Triple& a, const Triple& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-  CAIRN_INLINE friend Triple operator-(const Triple& a, const Triple& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  CAIRN_INLINE friend Triple operator+(const Triple& a, const Triple& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+  }
+  CAIRN_INLINE friend Triple operator-(const Triple& a, const Triple& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+  }
   CAIRN_INLINE friend Triple operator*(T s, const Triple& a) { return {s * a.x, s * a.y, s * a.z}; }
 };
 

@@ -38,9 +38,9 @@ struct CloudSpec {
   double exponent = 3.0;  ///< power_law: differential number ~ size^-exponent
   double density = 0.0;   ///< kg/m^3
   std::string material;
-  Vec3 position = Vec3::Zero();       ///< m
-  Vec3 velocity = Vec3::Zero();       ///< m/s
-  double spin_period = 0.0;           ///< s, rigid rotation about z; 0: none
+  Vec3 position = Vec3::Zero();  ///< m
+  Vec3 velocity = Vec3::Zero();  ///< m/s
+  double spin_period = 0.0;      ///< s, rigid rotation about z; 0: none
 };
 
 /// One body put by hand.
@@ -49,10 +49,10 @@ struct BodySpec {
   double size = 1.0;     ///< m
   double density = 0.0;  ///< kg/m^3
   std::string material;
-  Vec3 position = Vec3::Zero();           ///< m, centre of mass
-  Vec3 velocity = Vec3::Zero();           ///< m/s
-  Vec3 angular_velocity = Vec3::Zero();   ///< rad/s
-  Quat orientation = Quat::Identity();    ///< w, x, y, z: frame of the shape file -> space
+  Vec3 position = Vec3::Zero();          ///< m, centre of mass
+  Vec3 velocity = Vec3::Zero();          ///< m/s
+  Vec3 angular_velocity = Vec3::Zero();  ///< rad/s
+  Quat orientation = Quat::Identity();   ///< w, x, y, z: frame of the shape file -> space
 };
 
 /// A fixed plane; bodies are kept on the side its normal points to.
@@ -63,27 +63,28 @@ struct PlaneSpec {
 };
 
 struct ContactSpec {
-  std::optional<double> stiffness;   ///< k_N, N/m; chosen by the program when absent
-  std::optional<double> time_step;   ///< s; chosen by the program when absent
-  bool unsafe_time_step = false;     ///< accept a time step longer than the longest safe one
-  double steps_per_contact = 50.0;   ///< time steps in the shortest contact
-  double max_overlap = 0.01;         ///< aimed at by the automatic stiffness, of the smallest radius
-  double overlap_limit = 0.1;        ///< a larger overlap stops the run, of the smaller radius of the pair
+  std::optional<double> stiffness;  ///< k_N, N/m; chosen by the program when absent
+  std::optional<double> time_step;  ///< s; chosen by the program when absent
+  bool unsafe_time_step = false;    ///< accept a time step longer than the longest safe one
+  double steps_per_contact = 50.0;  ///< time steps in the shortest contact
+  double max_overlap = 0.01;        ///< aimed at by the automatic stiffness, of the smallest radius
+  double overlap_limit = 0.1;       ///< a larger overlap stops the run, of the smaller radius of the pair
   DampingMass damping_mass = DampingMass::bodies;
   RollingSlip rolling_slip = RollingSlip::none;
 };
 
 struct GravitySpec {
   GravityMethod method = GravityMethod::tree;
-  double opening_angle = 0.5;
-  std::int64_t interval = 1;         ///< steps between renewals
-  Vec3 field = Vec3::Zero();         ///< m/s^2, uniform external field
+  double opening_angle = 0.7;  ///< cells meet by expansion when the sum of their radii < this x distance
+  std::int64_t order = 5;      ///< of the expansions
+  std::int64_t interval = 1;   ///< steps between renewals
+  Vec3 field = Vec3::Zero();   ///< m/s^2, uniform external field
 };
 
 /// Prescribed spin of the pile about z [Zhang et al. 2021, section 2.3].
 struct SpinSpec {
   std::vector<SpinPoint> path;
-  double control_interval = 0.0;        ///< s between corrections; 0: every step
+  double control_interval = 0.0;  ///< s between corrections; 0: every step
   OnFailure on_failure = OnFailure::release;
   double axis_drop = 0.01;              ///< failure: relative fall of c/a from the start of control
   bool include_shed = false;            ///< also spin bodies that have left the pile
@@ -93,19 +94,20 @@ struct SpinSpec {
 /// A stretch of the run with its own settings.
 struct StageSpec {
   std::string name;
-  double duration = 0.0;                ///< s
-  std::string material;                 ///< replaces every body's material during the stage, when given
-  std::optional<double> impact_speed;   ///< m/s, for the automatic stiffness; the pile's escape speed when absent
-  std::optional<double> stiffness;      ///< N/m; replaces contact.stiffness
-  std::optional<double> time_step;      ///< s; replaces contact.time_step
+  double duration = 0.0;  ///< s
+  std::string material;   ///< replaces every body's material during the stage, when given
+  std::optional<double>
+      impact_speed;                 ///< m/s, for the automatic stiffness; the pile's escape speed when absent
+  std::optional<double> stiffness;  ///< N/m; replaces contact.stiffness
+  std::optional<double> time_step;  ///< s; replaces contact.time_step
   std::optional<SpinSpec> spin;
 };
 
 struct OutputSpec {
-  double snapshot_interval = 0.0;     ///< s of simulated time; 0: only the ends of stages
-  double series_interval = 0.0;       ///< s of simulated time; 0: a thousandth of each stage
-  double checkpoint_interval = 300.0; ///< s of wall-clock time
-  double remnant_gap = 0.1;           ///< bodies closer than this times the smallest radius belong together
+  double snapshot_interval = 0.0;      ///< s of simulated time; 0: only the ends of stages
+  double series_interval = 0.0;        ///< s of simulated time; 0: a thousandth of each stage
+  double checkpoint_interval = 300.0;  ///< s of wall-clock time
+  double remnant_gap = 0.1;            ///< bodies closer than this times the smallest radius belong together
 };
 
 struct Scene {
@@ -122,9 +124,9 @@ struct Scene {
   std::vector<StageSpec> stages;
   OutputSpec output;
 
-  std::string text;                ///< the scene file as read
-  SourceMap sources;               ///< where each key stands in it, for errors found later
-  std::filesystem::path directory; ///< where relative paths start
+  std::string text;                 ///< the scene file as read
+  SourceMap sources;                ///< where each key stands in it, for errors found later
+  std::filesystem::path directory;  ///< where relative paths start
 };
 
 /// Reads and validates a scene. Every key is checked against the key table (see scene_keys.cpp).

@@ -105,6 +105,8 @@ const Keys<GravitySpec> kGravityKeys = {
            "self-gravity: none, the exact pair sum, or the fast method"),
     number("opening_angle", &GravitySpec::opening_angle, "", above(0, 1),
            "of the tree; smaller is more accurate"),
+    integer("order", &GravitySpec::order, "", within(4, 6),
+            "of the tree's expansions; higher is more accurate"),
     integer("interval", &GravitySpec::interval, "steps", within(1, 1'000'000), "time steps between renewals"),
     vector("field", &GravitySpec::field, "m/s^2", magnitude(1e12), "uniform external field"),
 };

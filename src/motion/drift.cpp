@@ -23,8 +23,8 @@ SineCosine sine_cosine(double x) {
   return {sine, cosine};
 }
 
-/// Free flow of H = p_k^2 / (2 I_k) over dt: body-frame momentum p turns by -angle about axis k, the attitude by
-/// +angle.
+/// Free flow of H = p_k^2 / (2 I_k) over dt: body-frame momentum p turns by -angle about axis k, the attitude
+/// by +angle.
 template <int k>
 void turn(Quat& q, Vec3& p, double inertia, double dt) {
   constexpr int a = (k + 1) % 3, b = (k + 2) % 3;
@@ -67,8 +67,7 @@ void drift(Bodies& bodies, double dt, std::vector<Vec3>& spin_mid) {
       return;
     }
     const Vec3 before = angular_velocity(bodies, b);
-    bodies.orientation[b] =
-        rotate_free_top(bodies.orientation[b], bodies.spin[b], bodies.inertia[b], dt);
+    bodies.orientation[b] = rotate_free_top(bodies.orientation[b], bodies.spin[b], bodies.inertia[b], dt);
     spin_mid[b] = 0.5 * (before + angular_velocity(bodies, b));
   });
 }

@@ -1,6 +1,6 @@
-// Kick and drift of rigid bodies: second-order leapfrog; the attitude by a symmetric splitting of the free top
-// [Dullweber, Leimkuhler & McLachlan 1997, J. Chem. Phys. 107, 5840]. The angular momentum in space is carried
-// and is exact in free flight.
+// Kick and drift of rigid bodies: second-order leapfrog; the attitude by a symmetric splitting of the free
+// top [Dullweber, Leimkuhler & McLachlan 1997, J. Chem. Phys. 107, 5840]. The angular momentum in space is
+// carried and is exact in free flight.
 #pragma once
 
 #include <vector>

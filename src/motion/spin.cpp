@@ -34,7 +34,8 @@ Vec3 spin_response(const Bodies& bodies, std::size_t b) {
 }
 
 double kinetic_energy(const Bodies& bodies, std::size_t b) {
-  return 0.5 * bodies.mass[b] * bodies.velocity[b].squaredNorm() + 0.5 * angular_velocity(bodies, b).dot(bodies.spin[b]);
+  return 0.5 * bodies.mass[b] * bodies.velocity[b].squaredNorm() +
+         0.5 * angular_velocity(bodies, b).dot(bodies.spin[b]);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Prescribed spin: the path T(t) and the rigid rotation that keeps a pile on it [Zhang et al. 2021, section 2.3].
+// Prescribed spin: the path T(t) and the rigid rotation that keeps a pile on it [Zhang et al. 2021,
+// section 2.3].
 #pragma once
 
 #include <span>
@@ -18,9 +19,9 @@ double period_at(std::span<const SpinPoint> path, double t);
 
 /// What a spin correction did to the whole.
 struct SpinCorrection {
-  double period = 0.0;              ///< s, after the correction
-  Vec3 momentum = Vec3::Zero();     ///< kg m^2/s, angular momentum added
-  double work = 0.0;                ///< J
+  double period = 0.0;           ///< s, after the correction
+  Vec3 momentum = Vec3::Zero();  ///< kg m^2/s, angular momentum added
+  double work = 0.0;             ///< J
 };
 
 /// Adds the rigid rotation about the z axis through the members' mass centre that gives them the period

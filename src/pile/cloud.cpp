@@ -35,7 +35,8 @@ class Occupied {
 
  private:
   std::array<std::int64_t, 3> index(const Vec3& x) const {
-    return {static_cast<std::int64_t>(std::floor(x.x() / cell_)), static_cast<std::int64_t>(std::floor(x.y() / cell_)),
+    return {static_cast<std::int64_t>(std::floor(x.x() / cell_)),
+            static_cast<std::int64_t>(std::floor(x.y() / cell_)),
             static_cast<std::int64_t>(std::floor(x.z() / cell_))};
   }
   static std::int64_t key(std::int64_t i, std::int64_t j, std::int64_t k) {
@@ -82,9 +83,12 @@ std::uint64_t morton(const Vec3& unit) {
 double draw_size(const CloudSpec& cloud, double u) {
   const double low = cloud.size, high = cloud.size_max;
   switch (cloud.distribution) {
-    case SizeDistribution::single: return low;
-    case SizeDistribution::uniform: return low + (high - low) * u;
-    case SizeDistribution::power_law: break;
+    case SizeDistribution::single:
+      return low;
+    case SizeDistribution::uniform:
+      return low + (high - low) * u;
+    case SizeDistribution::power_law:
+      break;
   }
   const double p = 1.0 - cloud.exponent;  // the cumulative number goes as size^p
   if (std::abs(p) < 1e-12) return low * std::pow(high / low, u);
@@ -124,8 +128,9 @@ void add_cloud(const CloudSpec& cloud, const std::vector<RigidShape>& shapes,
     do g.position = (ball - g.radius) * random.in_ball();
     while (occupied.overlaps(g.position, g.radius) && ++t < tries);
     if (t == tries)
-      throw InputError("cloud of {} bodies: no room after {} tries for a body of size {:g} m; lower 'filling' ({:g})",
-                       cloud.count, tries, g.size, cloud.filling);
+      throw InputError(
+          "cloud of {} bodies: no room after {} tries for a body of size {:g} m; lower 'filling' ({:g})",
+          cloud.count, tries, g.size, cloud.filling);
     occupied.insert(g.position, g.radius);
   }
 

@@ -12,8 +12,8 @@ namespace cairn {
 double draw_size(const CloudSpec& cloud, double u);
 
 /// Adds the cloud's bodies to `bodies`, in an order that keeps neighbours close in memory. Shape numbers are
-/// indices into `shapes`, where `shape_index[k]` belongs to the k-th entry of the mixture. Numbers of each shape
-/// follow the weights to the nearest integer. Deterministic for (seed, stream).
+/// indices into `shapes`, where `shape_index[k]` belongs to the k-th entry of the mixture. Numbers of each
+/// shape follow the weights to the nearest integer. Deterministic for (seed, stream).
 /// @throws InputError when the bodies do not fit at the requested filling.
 void add_cloud(const CloudSpec& cloud, const std::vector<RigidShape>& shapes,
                const std::vector<std::uint32_t>& shape_index, std::uint16_t material, std::uint64_t seed,

@@ -23,7 +23,8 @@ void ContactColumns::assign(const std::vector<ContactRecord>& records) {
 std::vector<ContactRecord> ContactColumns::records() const {
   std::vector<ContactRecord> out;
   for (std::size_t k = 0; k < i.size(); ++k)
-    out.push_back({i[k], j[k],
+    out.push_back({i[k],
+                   j[k],
                    {.c_n = c_n[k],
                     .c_s = c_s[k],
                     .slide = {slide[k].x(), slide[k].y(), slide[k].z()},
@@ -43,12 +44,13 @@ FieldTable ContactColumns::table(const std::string& prefix) {
 }
 
 FieldTable body_constants(Bodies& b) {
-  return {{"mass", "kg", "mass", &b.mass, "body"},
-          {"inertia", "kg m^2", "principal moments of inertia", &b.inertia, "body"},
-          {"shape", "", "index into /shapes", &b.shape, "body"},
-          {"size", "m", "reference radius that scales the shape", &b.length, "body"},
-          {"material", "", "index into /materials", &b.material, "body"},
-          {"first_sphere", "", "spheres of body b: first_sphere[b] to first_sphere[b+1]", &b.first_sphere, ""}};
+  return {
+      {"mass", "kg", "mass", &b.mass, "body"},
+      {"inertia", "kg m^2", "principal moments of inertia", &b.inertia, "body"},
+      {"shape", "", "index into /shapes", &b.shape, "body"},
+      {"size", "m", "reference radius that scales the shape", &b.length, "body"},
+      {"material", "", "index into /materials", &b.material, "body"},
+      {"first_sphere", "", "spheres of body b: first_sphere[b] to first_sphere[b+1]", &b.first_sphere, ""}};
 }
 
 FieldTable sphere_constants(Bodies& b) {
@@ -90,7 +92,8 @@ FieldTable checkpoint_fields(State& s, ContactColumns& contacts, ContactColumns&
        {"control/start_ratio", "", "c/a when control began", &s.control.start_ratio},
        {"ledger/dissipated", "J", "work lost in contacts", &s.ledger.dissipated},
        {"ledger/control_work", "J", "work done by spin control", &s.ledger.control_work},
-       {"ledger/control_momentum", "kg m^2/s", "angular momentum given by spin control", &s.ledger.control_momentum},
+       {"ledger/control_momentum", "kg m^2/s", "angular momentum given by spin control",
+        &s.ledger.control_momentum},
        {"ledger/largest_overlap", "", "over the smaller radius of its pair", &s.ledger.largest_overlap},
        {"ledger/recent_overlap", "", "the same since the last row of the series", &s.ledger.recent_overlap},
        {"ledger/start_momentum", "kg m/s", "total at the start", &s.ledger.start_momentum},
@@ -104,14 +107,17 @@ FieldTable checkpoint_fields(State& s, ContactColumns& contacts, ContactColumns&
 
 void complete_bodies(Bodies& b) {
   const std::size_t n = b.mass.size(), spheres = b.spheres.radius.size();
-  if (n == 0 || b.first_sphere.size() != n + 1 || b.first_sphere.front() != 0 || b.first_sphere.back() != spheres)
-    throw InputError("bodies/first_sphere: expected {} increasing entries from 0 to the number of spheres", n + 1);
+  if (n == 0 || b.first_sphere.size() != n + 1 || b.first_sphere.front() != 0 ||
+      b.first_sphere.back() != spheres)
+    throw InputError("bodies/first_sphere: expected {} increasing entries from 0 to the number of spheres",
+                     n + 1);
   for (std::size_t k = 0; k < n; ++k) {
     if (b.first_sphere[k] >= b.first_sphere[k + 1])
       throw InputError("bodies/first_sphere: expected increasing entries, found a fall after body {}", k);
     const bool good = std::isfinite(b.mass[k]) && b.mass[k] > 0.0 && b.inertia[k].allFinite() &&
                       b.inertia[k].minCoeff() > 0.0;
-    if (!good) throw InputError("bodies/mass, bodies/inertia: expected positive values, body {} has others", k);
+    if (!good)
+      throw InputError("bodies/mass, bodies/inertia: expected positive values, body {} has others", k);
     for (std::uint32_t s = b.first_sphere[k]; s < b.first_sphere[k + 1]; ++s)
       if (b.spheres.body[s] != k || !(b.spheres.radius[s] > 0.0))
         throw InputError("spheres/body, spheres/radius: sphere {} does not fit body {}", s, k);

@@ -95,8 +95,9 @@ double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bo
   }
   const double k_n = choose_stiffness(bodies, demand);
   if (!(k_n > 0.0))
-    throw InputError("stage '{}': nothing loads the contacts, so no stiffness can be chosen; give contact.stiffness",
-                     stage.name);
+    throw InputError(
+        "stage '{}': nothing loads the contacts, so no stiffness can be chosen; give contact.stiffness",
+        stage.name);
   return k_n;
 }
 
@@ -128,26 +129,32 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   const double longest = kLongestSafeStep * p.contact_time;
   if (given && *given > longest && !contact.unsafe_time_step)
     throw InputError(
-        "stage '{}': time_step {:.4g} s is too long; the longest safe one is {:.4g} s ({:.0f} per shortest contact)",
+        "stage '{}': time_step {:.4g} s is too long; the longest safe one is {:.4g} s ({:.0f} per shortest "
+        "contact)",
         stage.name, *given, longest, 1.0 / kLongestSafeStep);
   const double aim = given ? *given : p.contact_time / contact.steps_per_contact;
   if (!(stage.duration / aim < 1e15))
     throw InputError("stage '{}': {:.3g} steps of {:.3g} s are more than a run can make", stage.name,
                      stage.duration / aim, aim);
   // Whole steps that end exactly with the stage.
-  p.steps = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::ceil(stage.duration / aim * (1.0 - 1e-12))));
+  p.steps =
+      std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::ceil(stage.duration / aim * (1.0 - 1e-12))));
   const double dt = stage.duration / static_cast<double>(p.steps);
   p.contacts.dt = dt;
 
   p.gravity = scene.gravity.method;
-  p.opening_angle = scene.gravity.opening_angle;
+  p.tree.theta = scene.gravity.opening_angle;
+  p.tree.order = static_cast<int>(scene.gravity.order);
   p.gravity_interval = static_cast<std::uint64_t>(scene.gravity.interval);
   p.field = scene.gravity.field;
   p.spin = stage.spin;
-  if (stage.spin && stage.spin->control_interval > 0.0) p.control_steps = whole_steps(stage.spin->control_interval, dt);
-  const double series = scene.output.series_interval > 0.0 ? scene.output.series_interval : 1e-3 * stage.duration;
+  if (stage.spin && stage.spin->control_interval > 0.0)
+    p.control_steps = whole_steps(stage.spin->control_interval, dt);
+  const double series =
+      scene.output.series_interval > 0.0 ? scene.output.series_interval : 1e-3 * stage.duration;
   p.series_steps = whole_steps(series, dt);
-  if (scene.output.snapshot_interval > 0.0) p.snapshot_steps = whole_steps(scene.output.snapshot_interval, dt);
+  if (scene.output.snapshot_interval > 0.0)
+    p.snapshot_steps = whole_steps(scene.output.snapshot_interval, dt);
   return p;
 }
 
@@ -169,7 +176,8 @@ std::string describe_models(const Physics& physics, const Bodies& bodies, bool w
   if (f.rolling_slip) text += " (rolling slip of Zhang 2017)";
   if (walls) text += "; walls";
   if (physics.gravity == GravityMethod::direct) text += "; direct gravity";
-  if (physics.gravity == GravityMethod::tree) text += fmt::format("; tree gravity, opening {:g}", physics.opening_angle);
+  if (physics.gravity == GravityMethod::tree)
+    text += fmt::format("; tree gravity, opening {:g}, order {}", physics.tree.theta, physics.tree.order);
   if (physics.gravity != GravityMethod::none && physics.gravity_interval > 1)
     text += fmt::format(", renewed every {} steps", physics.gravity_interval);
   if (physics.field != Vec3::Zero()) text += "; uniform field";

@@ -5,27 +5,28 @@
 #include <string>
 
 #include "contact/sweep.h"
+#include "gravity/fmm.h"
 #include "io/scene.h"
 #include "sim/state.h"
 
 namespace cairn {
 
 struct Physics {
-  SweepSettings contacts;               ///< with the time step of the stage
-  std::vector<Material> materials;      ///< of the bodies; settings.material indexes these
+  SweepSettings contacts;                 ///< with the time step of the stage
+  std::vector<Material> materials;        ///< of the bodies; settings.material indexes these
   std::vector<Material> plane_materials;  ///< of each plane
-  double k_n = 0.0;                     ///< N/m
-  double contact_time = 0.0;            ///< s, shortest any contact can last
+  double k_n = 0.0;                       ///< N/m
+  double contact_time = 0.0;              ///< s, shortest any contact can last
   double overlap_limit = 0.1;
-  std::uint64_t steps = 0;              ///< of the stage
+  std::uint64_t steps = 0;  ///< of the stage
   GravityMethod gravity = GravityMethod::none;
-  double opening_angle = 0.5;
-  std::uint64_t gravity_interval = 1;   ///< steps
-  Vec3 field = Vec3::Zero();            ///< m/s^2
+  gravity::FmmSettings tree;
+  std::uint64_t gravity_interval = 1;  ///< steps
+  Vec3 field = Vec3::Zero();           ///< m/s^2
   std::optional<SpinSpec> spin;
-  std::uint64_t control_steps = 1;      ///< steps between spin corrections
-  std::uint64_t series_steps = 1;       ///< steps between rows of the series, and between checks for failure
-  std::uint64_t snapshot_steps = 0;     ///< 0: only at the end of the stage
+  std::uint64_t control_steps = 1;   ///< steps between spin corrections
+  std::uint64_t series_steps = 1;    ///< steps between rows of the series, and between checks for failure
+  std::uint64_t snapshot_steps = 0;  ///< 0: only at the end of the stage
 };
 
 /// Normal stiffness (N/m) of stage `index`: given by the scene, or chosen for the bodies as they are now.

@@ -18,10 +18,12 @@ constexpr double kWatchInterval = 0.2;  // s of wall-clock time
 void check_checkpoint(const std::filesystem::path& path, const Scene& scene, const State& state) {
   const std::size_t n = state.bodies.size();
   const auto fail = [&](const char* what) { throw InputError("{}: checkpoint: {}", path.string(), what); };
-  if (state.bodies.position.size() != n || state.remnant.size() != n) fail("as many poses as bodies expected");
+  if (state.bodies.position.size() != n || state.remnant.size() != n)
+    fail("as many poses as bodies expected");
   if (state.clock.stage >= scene.stages.size()) fail("its stage is not in the scene");
   const std::size_t held = state.gravity.force.size();
-  if ((held != 0 && held != n) || state.gravity.torque.size() != held) fail("as many held forces as bodies expected");
+  if ((held != 0 && held != n) || state.gravity.torque.size() != held)
+    fail("as many held forces as bodies expected");
   for (std::uint16_t m : state.bodies.material)
     if (m >= scene.materials.size()) fail("a body's material is not in the scene");
 }
@@ -168,7 +170,8 @@ RunEnd Run::advance(const std::function<bool(const Run&)>& watch) {
         const bool end = clock.step == clock.steps;
         if (end || clock.step % physics_.series_steps == 0) look();
         over = end || failed_long_ago();
-        if (over || (physics_.snapshot_steps > 0 && clock.step % physics_.snapshot_steps == 0)) add_snapshot();
+        if (over || (physics_.snapshot_steps > 0 && clock.step % physics_.snapshot_steps == 0))
+          add_snapshot();
         const double now = wall_seconds();
         if (now - last_watch < kWatchInterval) continue;
         last_watch = now;

@@ -11,7 +11,7 @@ namespace cairn {
 
 struct Setup {
   Bodies bodies;
-  std::vector<std::string> shapes;  ///< name of each shape number
+  std::vector<std::string> shapes;      ///< name of each shape number
   std::vector<ContactRecord> contacts;  ///< of a pile read from a file
   double k_n = 0.0;                     ///< N/m, stiffness those contacts had; 0: none
 };

@@ -36,13 +36,13 @@ struct Control {
 
 /// Running totals.
 struct Ledger {
-  double dissipated = 0.0;                    ///< J, lost in contacts
-  double control_work = 0.0;                  ///< J, done by spin control
-  Vec3 control_momentum = Vec3::Zero();       ///< kg m^2/s, angular momentum given by spin control
-  double largest_overlap = 0.0;               ///< over the smaller radius of its pair, of the whole run
-  double recent_overlap = 0.0;                ///< the same since the last row of the series
-  Vec3 start_momentum = Vec3::Zero();         ///< kg m/s, total at the start
-  Vec3 start_angular_momentum = Vec3::Zero(); ///< kg m^2/s, total about the mass centre at the start
+  double dissipated = 0.0;                     ///< J, lost in contacts
+  double control_work = 0.0;                   ///< J, done by spin control
+  Vec3 control_momentum = Vec3::Zero();        ///< kg m^2/s, angular momentum given by spin control
+  double largest_overlap = 0.0;                ///< over the smaller radius of its pair, of the whole run
+  double recent_overlap = 0.0;                 ///< the same since the last row of the series
+  Vec3 start_momentum = Vec3::Zero();          ///< kg m/s, total at the start
+  Vec3 start_angular_momentum = Vec3::Zero();  ///< kg m^2/s, total about the mass centre at the start
 };
 
 struct State {
@@ -53,8 +53,8 @@ struct State {
   Clock clock;
   Control control;
   Ledger ledger;
-  double k_n = 0.0;                    ///< N/m, normal stiffness of the stage
-  std::vector<std::uint8_t> remnant;   ///< of each body: 1 when part of the largest remnant
+  double k_n = 0.0;                   ///< N/m, normal stiffness of the stage
+  std::vector<std::uint8_t> remnant;  ///< of each body: 1 when part of the largest remnant
   bool finished = false;
 };
 

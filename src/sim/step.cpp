@@ -14,7 +14,9 @@ namespace cairn {
 
 namespace {
 
-double& time_of(Scratch& scratch, Phase phase) { return scratch.times[static_cast<std::size_t>(phase)]; }
+double& time_of(Scratch& scratch, Phase phase) {
+  return scratch.times[static_cast<std::size_t>(phase)];
+}
 
 gravity::Points points_of(const Bodies& bodies) {
   return {bodies.spheres.position, bodies.spheres.mass, bodies.first_sphere};
@@ -32,8 +34,8 @@ void refresh_neighbours(const Physics& physics, State& state, Scratch& scratch) 
   if (!scratch.candidates.expired(state.bodies, state.clock.time())) return;
   scratch.candidates.adapt_skin(scratch.list_age);
   scratch.list_age = 0;
-  scratch.candidates.rebuild(state.bodies, rigid_motion(state.bodies, state.clock.time()), physics.contacts.features,
-                             state.contacts);
+  scratch.candidates.rebuild(state.bodies, rigid_motion(state.bodies, state.clock.time()),
+                             physics.contacts.features, state.contacts);
 }
 
 void check_overlap(const Physics& physics, const State& state, double overlap) {
@@ -41,18 +43,20 @@ void check_overlap(const Physics& physics, const State& state, double overlap) {
   const Pair pair = deepest_pair(state.bodies, state.contacts);
   const auto& body = state.bodies.spheres.body;
   const std::string who = pair.i == pair.j ? std::string("a sphere and a wall")
-                                           : fmt::format("spheres {} and {} of bodies {} and {}", pair.i, pair.j,
-                                                         body[pair.i], body[pair.j]);
+                                           : fmt::format("spheres {} and {} of bodies {} and {}", pair.i,
+                                                         pair.j, body[pair.i], body[pair.j]);
   if (state.clock.total_steps == 0)
-    throw InputError("{} overlap at the start by {:.3g} of the smaller radius; contact.overlap_limit is {:g}", who,
-                     overlap, physics.overlap_limit);
+    throw InputError("{} overlap at the start by {:.3g} of the smaller radius; contact.overlap_limit is {:g}",
+                     who, overlap, physics.overlap_limit);
   throw UnstableError(
-      "t = {:.6g} s: {} overlap by {:.3g} of the smaller radius (contact.overlap_limit = {:g}): raise the stiffness "
+      "t = {:.6g} s: {} overlap by {:.3g} of the smaller radius (contact.overlap_limit = {:g}): raise the "
+      "stiffness "
       "(contact.stiffness, or stage.impact_speed for the automatic one) or shorten the time step",
       state.clock.time(), who, overlap, physics.overlap_limit);
 }
 
-void evaluate_contacts(const Physics& physics, const SweepSettings& settings, State& state, Scratch& scratch) {
+void evaluate_contacts(const Physics& physics, const SweepSettings& settings, State& state,
+                       Scratch& scratch) {
   SweepReport report = sweep(state.bodies, scratch.motions, settings, state.contacts);
   std::fill(state.bodies.force.begin(), state.bodies.force.end(), Vec3::Zero());
   std::fill(state.bodies.torque.begin(), state.bodies.torque.end(), Vec3::Zero());
@@ -69,7 +73,8 @@ void evaluate_contacts(const Physics& physics, const SweepSettings& settings, St
 }
 
 /// Accelerations of all spheres by the method of the stage, and potentials when asked for.
-void attract(const Physics& physics, const Bodies& bodies, Scratch& scratch, std::span<double> potential = {}) {
+void attract(const Physics& physics, const Bodies& bodies, Scratch& scratch,
+             std::span<double> potential = {}) {
   scratch.acceleration.resize(bodies.spheres.size());
   if (physics.gravity == GravityMethod::direct)
     scratch.direct.evaluate(points_of(bodies), scratch.acceleration, potential);
@@ -85,8 +90,8 @@ void add_gravity(const Physics& physics, State& state, Scratch& scratch) {
   scratch.torque.resize(bodies.size());
   if (state.clock.step % physics.gravity_interval == 0) {
     attract(physics, bodies, scratch);
-    gravity::sum_groups(bodies.spheres.position, bodies.spheres.mass, bodies.first_sphere, scratch.acceleration,
-                        bodies.position, scratch.force, scratch.torque);
+    gravity::sum_groups(bodies.spheres.position, bodies.spheres.mass, bodies.first_sphere,
+                        scratch.acceleration, bodies.position, scratch.force, scratch.torque);
     gravity::renew(state.gravity, bodies.position, bodies.mass, scratch.force, scratch.torque, time,
                    rigid_motion(bodies, time).spin);
   }
@@ -111,20 +116,22 @@ void control_spin(const Physics& physics, State& state) {
   state.ledger.control_momentum += done.momentum;
   state.ledger.control_work += done.work;
   Control& control = state.control;
-  control.shortest_period = control.shortest_period == 0.0 ? period : std::min(control.shortest_period, period);
+  control.shortest_period =
+      control.shortest_period == 0.0 ? period : std::min(control.shortest_period, period);
 }
 
 }  // namespace
 
 void prepare_scratch(const Physics& physics, State& state, Scratch& scratch) {
   state.walls.set_laws(physics.materials, physics.plane_materials, physics.k_n);
-  scratch.candidates.rebuild(state.bodies, rigid_motion(state.bodies, state.clock.time()), physics.contacts.features,
-                             state.contacts);
+  scratch.candidates.rebuild(state.bodies, rigid_motion(state.bodies, state.clock.time()),
+                             physics.contacts.features, state.contacts);
   scratch.list_age = 0;
-  if (physics.gravity == GravityMethod::tree) scratch.tree = gravity::Fmm({.theta = physics.opening_angle});
+  if (physics.gravity == GravityMethod::tree) scratch.tree = gravity::Fmm(physics.tree);
 }
 
-void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inherited, State& state, Scratch& scratch) {
+void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inherited, State& state,
+                 Scratch& scratch) {
   Bodies& bodies = state.bodies;
   place_spheres(bodies);
   // Springs keep their forces: their lengths scale with the inverse of the stiffness.

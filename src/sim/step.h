@@ -31,10 +31,11 @@ struct Scratch {
   PhaseTimes times{};
 };
 
-/// Prepares a stage: the contacts it inherits take its stiffness and materials (springs keep their forces), wrenches
-/// are evaluated at the present poses and velocities.
+/// Prepares a stage: the contacts it inherits take its stiffness and materials (springs keep their forces),
+/// wrenches are evaluated at the present poses and velocities.
 /// @throws InputError when bodies overlap beyond the bound before the first step.
-void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inherited, State& state, Scratch& scratch);
+void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inherited, State& state,
+                 Scratch& scratch);
 
 /// Restores what a checkpoint does not hold, without changing the state.
 void prepare_scratch(const Physics& physics, State& state, Scratch& scratch);

@@ -36,10 +36,11 @@ struct Outcome {
   std::string err;  ///< and on stderr
 };
 
-/// A signal sent after a while.
+/// A signal sent a while after a file is there.
 struct Stop {
   int signal = 0;
   double after = 0.0;  ///< s
+  std::filesystem::path file;
 };
 
 struct Circumstances {
@@ -52,7 +53,7 @@ struct Circumstances {
 Outcome cairn(const Folder& folder, const std::vector<std::string>& arguments,
               const Circumstances& with = {});
 
-/// One line on stderr that contains `words`, nothing on stdout, exit code 2.
+/// One line on stderr that contains `words`, exit code 2.
 testing::AssertionResult refused(const Outcome& outcome, const std::vector<std::string>& words);
 
 /// Ended well, silently on stderr.

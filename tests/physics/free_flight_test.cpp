@@ -13,8 +13,8 @@ namespace {
 
 struct Case {
   std::string name;
-  Vec3 inertia;      ///< kg m^2
-  double share;      ///< p_1^2 / L^2 when p_2 = 0
+  Vec3 inertia;  ///< kg m^2
+  double share;  ///< p_1^2 / L^2 when p_2 = 0
 };
 
 /// Moments of unit mass of every shape of the library and of three artificial bodies.
@@ -32,7 +32,9 @@ std::vector<Case> tops() {
   return out;
 }
 
-bool round_top(const Vec3& inertia) { return inertia[2] - inertia[0] < 1e-9 * inertia[2]; }
+bool round_top(const Vec3& inertia) {
+  return inertia[2] - inertia[0] < 1e-9 * inertia[2];
+}
 
 /// A top of unit angular momentum along the space axis z.
 class Flight {
@@ -50,7 +52,8 @@ class Flight {
 
   Quat attitude(double t) const {
     return exact_ ? exact_->attitude(t, 400)
-                  : Quat(Eigen::AngleAxisd(t / inertia_[0], Vec3::UnitZ())) * Quat(0.7, 0.1, -0.5, 0.5).normalized();
+                  : Quat(Eigen::AngleAxisd(t / inertia_[0], Vec3::UnitZ())) *
+                        Quat(0.7, 0.1, -0.5, 0.5).normalized();
   }
   Vec3 body_momentum() const { return attitude_.conjugate() * Vec3::UnitZ(); }
   double energy_error() const {
@@ -88,7 +91,7 @@ Errors errors_after(const Case& top, double time, std::uint64_t steps) {
   return e;
 }
 
-TEST(Jacobi, AgreesWithTabulatedValues) {  // Abramowitz & Stegun, table 17.1 and 16.5
+TEST(Jacobi, AgreesWithTabulatedValues) {    // Abramowitz & Stegun, table 17.1 and 16.5
   const double quarter = 1.854074677301372;  // K(1/2)
   const Elliptic half = jacobi(0.5 * quarter, 0.5), end = jacobi(quarter, 0.5);
   EXPECT_NEAR(half.sn, 1.0 / std::sqrt(1.0 + std::sqrt(0.5)), 1e-14);
@@ -102,7 +105,8 @@ TEST(Jacobi, AgreesWithTabulatedValues) {  // Abramowitz & Stegun, table 17.1 an
 TEST(FreeTop, ClosedSolutionObeysEulersEquations) {
   for (const Case& top : tops()) {
     if (round_top(top.inertia)) continue;
-    const FreeTop exact(top.inertia, 1.0, 0.5 * (top.share / top.inertia[0] + (1.0 - top.share) / top.inertia[2]));
+    const FreeTop exact(top.inertia, 1.0,
+                        0.5 * (top.share / top.inertia[0] + (1.0 - top.share) / top.inertia[2]));
     const double unit = top.inertia[0], h = 1e-3 * unit, t = 2.3 * unit;
     const Vec3 p = exact.body_momentum(t), w = p.cwiseQuotient(top.inertia);
     const Vec3 rate = (exact.body_momentum(t + h) - exact.body_momentum(t - h)) / (2.0 * h);
@@ -116,26 +120,28 @@ TEST(FreeTop, ClosedSolutionObeysEulersEquations) {
 TEST(FreeFlight, AttitudeAndEnergyAreSecondOrderForEveryShape) {
   for (const Case& top : tops()) {
     const double time = 20.0 * top.inertia[1];  // a few turns
-    const double fastest = top.inertia[0] / 40.0;
-    const auto steps = static_cast<std::uint64_t>(time / fastest);
+    const double dt = top.inertia[0] / 16.0;
+    const auto steps = static_cast<std::uint64_t>(time / dt);
     const Errors coarse = errors_after(top, time, steps), fine = errors_after(top, time, 2 * steps);
     EXPECT_NEAR(coarse.attitude / fine.attitude, 4.0, 0.2) << top.name;
-    EXPECT_LT(fine.attitude, 0.02) << top.name;
+    EXPECT_LT(fine.attitude, 2e-3) << top.name;
     if (round_top(top.inertia)) continue;  // every direction of momentum has the same energy
     EXPECT_NEAR(coarse.momentum / fine.momentum, 4.0, 0.3) << top.name;
     EXPECT_NEAR(coarse.energy / fine.energy, 4.0, 0.1) << top.name;
-    fmt::print("{:22} {:6} steps: attitude {:.2e}, momentum {:.2e}, energy {:.2e}; ratios {:.3f} {:.3f} {:.3f}\n",
-               top.name, steps, coarse.attitude, coarse.momentum, coarse.energy, coarse.attitude / fine.attitude,
-               coarse.momentum / fine.momentum, coarse.energy / fine.energy);
+    fmt::print(
+        "{:22} {:6} steps: attitude {:.2e}, momentum {:.2e}, energy {:.2e}; ratios {:.3f} {:.3f} {:.3f}\n",
+        top.name, steps, coarse.attitude, coarse.momentum, coarse.energy, coarse.attitude / fine.attitude,
+        coarse.momentum / fine.momentum, coarse.energy / fine.energy);
   }
 }
 
 TEST(FreeFlight, EnergyDoesNotDriftInAMillionSteps) {
   for (const Case& top : tops()) {
-    if (top.name != "rod4" && top.name != "l_shape" && !top.name.starts_with("middle") && top.name != "thin needle")
+    if (top.name != "rod4" && top.name != "l_shape" && !top.name.starts_with("middle") &&
+        top.name != "thin needle")
       continue;
     Flight flight(top);
-    const double dt = top.inertia[0] / 40.0;
+    const double dt = top.inertia[0] / 8.0;
     double first = 0.0, last = 0.0, length = 0.0;
     constexpr int steps = 1'000'000;
     for (int k = 0; k < steps; ++k) {
@@ -144,19 +150,20 @@ TEST(FreeFlight, EnergyDoesNotDriftInAMillionSteps) {
       if (k >= steps - steps / 5) last = std::max(last, std::abs(flight.energy_error()));
       if (k % 1000 == 0) length = std::max(length, std::abs(flight.body_momentum().norm() - 1.0));
     }
-    EXPECT_LT(first, 2e-3) << top.name;
+    EXPECT_LT(first, 2e-4) << top.name;
     EXPECT_NEAR(last, first, 0.02 * first) << top.name;
     EXPECT_LT(length, 1e-14) << top.name;
-    fmt::print("{:22} energy error {:.3e} in the first fifth, {:.3e} in the last; |p|/L - 1 {:.1e}\n", top.name,
-               first, last, length);
+    fmt::print("{:22} energy error {:.3e} in the first fifth, {:.3e} in the last; |p|/L - 1 {:.1e}\n",
+               top.name, first, last, length);
   }
 }
 
 TEST(FreeFlight, AngularMomentumInSpaceIsExact) {
   const RigidShape shape = make_rigid(load_shape("l_shape", "."), MassModel::union_volume);
   Bodies bodies;
-  add_body(bodies, shape, 0, 2.0, 3000.0, 0,
-           {.position = {1.0, 2.0, 3.0}, .velocity = {0.5, 0.25, -1.0}, .angular_velocity = {0.3, -0.2, 0.5}});
+  add_body(
+      bodies, shape, 0, 2.0, 3000.0, 0,
+      {.position = {1.0, 2.0, 3.0}, .velocity = {0.5, 0.25, -1.0}, .angular_velocity = {0.3, -0.2, 0.5}});
   const Vec3 spin = bodies.spin[0];
   std::vector<Vec3> spin_mid;
   for (int k = 0; k < 10'000; ++k) {

@@ -32,8 +32,8 @@ inline Elliptic jacobi(double u, double m1) {
   return {sn, cn, std::sqrt(1.0 - m + m * cn * cn)};
 }
 
-/// A free top with principal moments I1 < I2 < I3 (kg m^2), angular momentum of length L and energy E (J) with
-/// 2 E I1 < L^2 < 2 E I3; at time 0 the body-frame momentum lies in the plane of the axes 1 and 3.
+/// A free top with principal moments I1 < I2 < I3 (kg m^2), angular momentum of length L and energy E (J)
+/// with 2 E I1 < L^2 < 2 E I3; at time 0 the body-frame momentum lies in the plane of the axes 1 and 3.
 class FreeTop {
  public:
   FreeTop(const Vec3& inertia, double momentum, double energy) : inertia_(inertia), length_(momentum) {
@@ -62,8 +62,8 @@ class FreeTop {
   }
 
   /// Attitude at time t (s), angular momentum along the space axis z. With p the momentum in the body frame,
-  /// R = Rz(phi) B(p) where B takes p / L to z, and phi' = L (2 E - p_k^2 / I_k) / (L^2 - p_k^2) for the axis k
-  /// that the momentum circles; integrated by Gauss-Legendre quadrature (8 points, `panels` panels).
+  /// R = Rz(phi) B(p) where B takes p / L to z, and phi' = L (2 E - p_k^2 / I_k) / (L^2 - p_k^2) for the axis
+  /// k that the momentum circles; integrated by Gauss-Legendre quadrature (8 points, `panels` panels).
   Quat attitude(double t, int panels) const {
     static constexpr double x[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
                                     0.9602898564975363};

@@ -8,8 +8,8 @@ namespace cairn {
 
 struct Features {
   bool tangential = false;
-  bool rolling = false;       ///< needs tangential
-  bool twisting = false;      ///< needs tangential
+  bool rolling = false;   ///< needs tangential
+  bool twisting = false;  ///< needs tangential
   bool cohesion = false;
   bool rolling_slip = false;  ///< Zhang et al. 2017 eq. 8; needs rolling
 
@@ -21,7 +21,8 @@ inline constexpr Features kNormalCohesion{.cohesion = true};
 inline constexpr Features kFriction{.tangential = true};
 inline constexpr Features kFrictionCohesion{.tangential = true, .cohesion = true};
 inline constexpr Features kWhole{.tangential = true, .rolling = true, .twisting = true};
-inline constexpr Features kWholeCohesion{.tangential = true, .rolling = true, .twisting = true, .cohesion = true};
+inline constexpr Features kWholeCohesion{
+    .tangential = true, .rolling = true, .twisting = true, .cohesion = true};
 inline constexpr Features kWholeSlip{
     .tangential = true, .rolling = true, .twisting = true, .cohesion = true, .rolling_slip = true};
 

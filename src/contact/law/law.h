@@ -11,15 +11,15 @@ namespace cairn {
 
 /// Constants of a pair of materials at the stiffness in force.
 struct PairLaw {
-  double k_n = 0.0;         ///< normal stiffness, N/m
-  double k_s = 0.0;         ///< tangential stiffness, N/m
-  double damping_n = 0.0;   ///< C_N / sqrt(k_N mu)
-  double damping_s = 0.0;   ///< C_S / sqrt(k_S mu_t)
-  double friction = 0.0;    ///< mu_S
-  double rolling = 0.0;     ///< mu_R beta
-  double twisting = 0.0;    ///< mu_T beta mu_S
+  double k_n = 0.0;        ///< normal stiffness, N/m
+  double k_s = 0.0;        ///< tangential stiffness, N/m
+  double damping_n = 0.0;  ///< C_N / sqrt(k_N mu)
+  double damping_s = 0.0;  ///< C_S / sqrt(k_S mu_t)
+  double friction = 0.0;   ///< mu_S
+  double rolling = 0.0;    ///< mu_R beta
+  double twisting = 0.0;   ///< mu_T beta mu_S
   double beta = 0.0;
-  double cohesion = 0.0;    ///< c (2 beta)^2, Pa
+  double cohesion = 0.0;  ///< c (2 beta)^2, Pa
 };
 
 /// PairLaw, one or eight at a time.
@@ -29,25 +29,30 @@ struct LawConstants {
 
   LawConstants() = default;
   explicit LawConstants(const PairLaw& law)
-      : k_n(law.k_n), k_s(law.k_s), friction(law.friction), rolling(law.rolling), twisting(law.twisting),
-        beta(law.beta), cohesion(law.cohesion) {}
+      : k_n(law.k_n),
+        k_s(law.k_s),
+        friction(law.friction),
+        rolling(law.rolling),
+        twisting(law.twisting),
+        beta(law.beta),
+        cohesion(law.cohesion) {}
 };
 
 /// What a contact remembers from step to step.
 template <class T>
 struct ContactMemory {
-  T c_n, c_s;              ///< dashpot constants, kg/s, from the effective masses at first touch
-  Triple<T> slide, roll;   ///< spring lengths: m, rad
-  T twist;                 ///< rad
+  T c_n, c_s;             ///< dashpot constants, kg/s, from the effective masses at first touch
+  Triple<T> slide, roll;  ///< spring lengths: m, rad
+  T twist;                ///< rad
 };
 
 /// Where the two surfaces meet, at the end of the drift and in its middle.
 template <class T>
 struct ContactGeometry {
-  Triple<T> n, n_mid;   ///< unit normal from i to j
-  T overlap;            ///< m
-  T radius;             ///< effective radius, m
-  T slip_lever;         ///< (l_j - l_i) / (2 l_i l_j), 1/m; used by rolling_slip = zhang2017 only
+  Triple<T> n, n_mid;  ///< unit normal from i to j
+  T overlap;           ///< m
+  T radius;            ///< effective radius, m
+  T slip_lever;        ///< (l_j - l_i) / (2 l_i l_j), 1/m; used by rolling_slip = zhang2017 only
 };
 
 /// Relative motion of j against i at the contact point.
@@ -55,8 +60,8 @@ template <class T>
 struct ContactMotion {
   Triple<T> u, w;          ///< velocity (m/s) and spin (rad/s) predicted for the end of the step: dashpots
   Triple<T> u_mid, w_mid;  ///< the same in mid-step: springs
-  Triple<T> turn;          ///< mean angular velocity of the two bodies in mid-step, rad/s: carries the springs
-  T dt;                    ///< part of the step during which the contact has existed, s
+  Triple<T> turn;  ///< mean angular velocity of the two bodies in mid-step, rad/s: carries the springs
+  T dt;            ///< part of the step during which the contact has existed, s
 };
 
 /// Force and couple on i (j gets the opposite) and the work lost in the step.
@@ -93,7 +98,7 @@ CAIRN_INLINE T cut(T limit, T length2) {
 /// Advances the springs over the drift, evaluates spring + dashpot + slider for each motion that F has.
 template <Features F, class T>
 CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const ContactGeometry<T>& geometry,
-                          const ContactMotion<T>& motion, ContactMemory<T>& memory) {
+                                       const ContactMotion<T>& motion, ContactMemory<T>& memory) {
   const Triple<T>& n = geometry.n;
   const Triple<T>& n_mid = geometry.n_mid;
   const T dt = motion.dt;
@@ -116,14 +121,17 @@ CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const Contact
   const Triple<T> phi = (T(0.5) * dt) * motion.turn;
   const T phi2 = dot(phi, phi);
   const T sine = T(1.0) - phi2 * T(1.0 / 6) *
-                              (T(1.0) - phi2 * T(1.0 / 20) * (T(1.0) - phi2 * T(1.0 / 42) * (T(1.0) - phi2 * T(1.0 / 72))));
+                              (T(1.0) - phi2 * T(1.0 / 20) *
+                                            (T(1.0) - phi2 * T(1.0 / 42) * (T(1.0) - phi2 * T(1.0 / 72))));
   const T versine = T(0.5) - phi2 * T(1.0 / 24) *
-                                 (T(1.0) - phi2 * T(1.0 / 30) * (T(1.0) - phi2 * T(1.0 / 56) * (T(1.0) - phi2 * T(1.0 / 90))));
+                                 (T(1.0) - phi2 * T(1.0 / 30) *
+                                               (T(1.0) - phi2 * T(1.0 / 56) * (T(1.0) - phi2 * T(1.0 / 90))));
   const auto advance = [&](const Triple<T>& spring, const Triple<T>& rate) __attribute__((always_inline)) {
     return flatten(rotate(phi, sine, versine, fma(dt, rate, rotate(phi, sine, versine, spring))), n);
   };
-  // Spring, dashpot, slider: the spring is shortened to what the slider holds, then the sum is cut to the limit.
-  const auto slide = [&](T stiffness, T damping, T limit, Triple<T>& spring, const Triple<T>& rate,
+  // Spring, dashpot, slider: the spring is shortened to what the slider holds, then the sum is cut to the
+  // limit.
+  const auto slide = [&](T stiffness, T damping, T limit, Triple<T> & spring, const Triple<T>& rate,
                          const Triple<T>& rate_mid) __attribute__((always_inline)) {
     const T before = dot(spring, spring);
     const T keep = cut(limit, stiffness * stiffness * before);
@@ -131,8 +139,8 @@ CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const Contact
     const Triple<T> elastic = stiffness * spring;
     const Triple<T> sum = fma(damping, rate, elastic);
     const Triple<T> drag = cut(limit, dot(sum, sum)) * sum;
-    action.dissipated += fma(dot(drag - elastic, rate_mid), dt,
-                             T(0.5) * stiffness * before * fma(-keep, keep, T(1.0)));
+    action.dissipated +=
+        fma(dot(drag - elastic, rate_mid), dt, T(0.5) * stiffness * before * fma(-keep, keep, T(1.0)));
     return drag;
   };
 

@@ -5,7 +5,8 @@
 
 namespace cairn {
 
-/// Surface properties of a body or wall [Zhang et al. 2017, 2021]. Defaults: the nominal rubble-pile material.
+/// Surface properties of a body or wall [Zhang et al. 2017, 2021]. Defaults: the nominal rubble-pile
+/// material.
 struct Material {
   std::string name;
   double restitution_normal = 0.55;      ///< e_n, 0..1
@@ -17,7 +18,8 @@ struct Material {
   double cohesion = 0.0;                 ///< c, interparticle tensile strength, Pa
 };
 
-/// The mixing rule: restitutions, frictions and cohesion of a pair are geometric means, beta the arithmetic mean.
+/// The mixing rule: restitutions, frictions and cohesion of a pair are geometric means, beta the arithmetic
+/// mean.
 Material mix(const Material& a, const Material& b);
 
 }  // namespace cairn

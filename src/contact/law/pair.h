@@ -25,12 +25,13 @@ Features required_features(const std::vector<Material>& materials, bool zhang_sl
 
 /// One side of a contact. `inverse_inertia` in the space frame; a wall has all zeros.
 struct Inertia {
-  double inverse_mass = 0.0;               ///< 1/kg
-  Mat3 inverse_inertia = Mat3::Zero();     ///< 1/(kg m^2)
+  double inverse_mass = 0.0;            ///< 1/kg
+  Mat3 inverse_inertia = Mat3::Zero();  ///< 1/(kg m^2)
 };
 
-/// Normal and mean tangential effective mass (kg) of two bodies at a contact with unit normal n and lever arms
-/// a, b from their centres of mass: 1/mu(e) = sum of 1/M + (a x e).I^-1 (a x e), mu_t = 2 / trace in the plane.
+/// Normal and mean tangential effective mass (kg) of two bodies at a contact with unit normal n and lever
+/// arms a, b from their centres of mass: 1/mu(e) = sum of 1/M + (a x e).I^-1 (a x e), mu_t = 2 / trace in the
+/// plane.
 struct EffectiveMass {
   double normal, tangential;
 };

@@ -78,7 +78,8 @@ TEST(Random, PointsFillTheBallEvenly) {
   for (int k = 0; k < draws; ++k) shell.push_back(std::pow(random.in_ball().norm(), 3));  // uniform in [0, 1)
   std::sort(shell.begin(), shell.end());
   double distance = 0.0;
-  for (int k = 0; k < draws; ++k) distance = std::max(distance, std::abs(shell[static_cast<std::size_t>(k)] - (k + 0.5) / draws));
+  for (int k = 0; k < draws; ++k)
+    distance = std::max(distance, std::abs(shell[static_cast<std::size_t>(k)] - (k + 0.5) / draws));
   EXPECT_LT(distance, 1.9 / std::sqrt(draws));  // Kolmogorov: exceeded once in 700
 }
 

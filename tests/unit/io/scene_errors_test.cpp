@@ -33,19 +33,19 @@ void expect_errors(const std::string& start, const std::vector<Case>& cases) {
 
 TEST(SceneErrors, UnknownKeys) {
   expect_errors(
-      kGood,
-      {{"[contact]\nstifness = 1",
-        "s.toml:8:1: key 'contact.stifness': unknown key; did you mean 'stiffness'?"},
-       {"[gravity]\ncontact = 1",
-        "s.toml:8:1: key 'gravity.contact': unknown key; expected 'method', 'opening_angle', 'interval' or "
-        "'field'"},
-       {"[contat]", "s.toml:7:2: key 'contat': unknown key; did you mean 'contact'?"},
-       {"[stage.spin]\npath = [[0, 1]]\ninclude_shde = true",
-        "s.toml:9:1: key 'stage[0].spin.include_shde': unknown key; did you mean 'include_shed'?"},
-       {"[contact]\n  \"a\\nb\\u202E\" = 1\n[gravity]\nx = 1",
-        "s.toml:8:3: key 'contact.a\\nb\\u202E': unknown key; expected 'stiffness', 'time_step', "
-        "'unsafe_time_step', 'steps_per_contact', 'max_overlap', 'overlap_limit', 'damping_mass' or "
-        "'rolling_slip'"}});
+      kGood, {{"[contact]\nstifness = 1",
+               "s.toml:8:1: key 'contact.stifness': unknown key; did you mean 'stiffness'?"},
+              {"[gravity]\ncontact = 1",
+               "s.toml:8:1: key 'gravity.contact': unknown key; expected 'method', 'opening_angle', 'order', "
+               "'interval' or "
+               "'field'"},
+              {"[contat]", "s.toml:7:2: key 'contat': unknown key; did you mean 'contact'?"},
+              {"[stage.spin]\npath = [[0, 1]]\ninclude_shde = true",
+               "s.toml:9:1: key 'stage[0].spin.include_shde': unknown key; did you mean 'include_shed'?"},
+              {"[contact]\n  \"a\\nb\\u202E\" = 1\n[gravity]\nx = 1",
+               "s.toml:8:3: key 'contact.a\\nb\\u202E': unknown key; expected 'stiffness', 'time_step', "
+               "'unsafe_time_step', 'steps_per_contact', 'max_overlap', 'overlap_limit', 'damping_mass' or "
+               "'rolling_slip'"}});
 }
 
 TEST(SceneErrors, WrongTypes) {

@@ -1,0 +1,235 @@
+// Blows of two bodies against closed forms: restitution, momenta after the blow, duration, energy.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "contact/law/pair.h"
+#include "experiment.h"
+#include "motion/drift.h"
+
+namespace cairn {
+namespace {
+
+constexpr double kStiffness = 1e7;  // N/m
+constexpr double kDensity = 2000.0;  // kg/m^3
+
+/// A scene of smooth bodies put by hand, without gravity; `contact` adds keys to its contact table.
+std::string smooth_scene(double restitution, const std::string& bodies, const std::string& contact) {
+  return fmt::format(R"(
+[gravity]
+method = "none"
+[[material]]
+name = "smooth"
+restitution_normal = {}
+restitution_tangential = 1
+friction = 0
+friction_rolling = 0
+friction_twisting = 0
+[contact]
+stiffness = {}
+{}
+[[stage]]
+name = "blow"
+duration = 1e3
+{}
+)",
+                     restitution, kStiffness, contact, bodies);
+}
+
+/// The two sides of a blow as the first touch finds them.
+struct Blow {
+  Vec3 normal, arm_i, arm_j;   ///< from body 0 to body 1 (or into the wall)
+  double mass;                 ///< effective, kg
+  Vec3 velocity_i, velocity_j, spin_i, spin_j;  ///< before
+  double approach;             ///< m/s
+};
+
+Vec3 point_velocity(const Bodies& bodies, std::size_t b, const Vec3& arm) {
+  return bodies.velocity[b] + angular_velocity(bodies, b).cross(arm);
+}
+
+/// Steps until something touches and describes the blow; the closed form takes the geometry of this moment.
+Blow meet(Experiment& e) {
+  for (int k = 0; k < 200'000 && !e.touching(); ++k) e.advance(1);
+  EXPECT_TRUE(e.touching());
+  const Bodies& bodies = e.state.bodies;
+  Blow blow;
+  Inertia other;
+  blow.arm_j = blow.velocity_j = blow.spin_j = Vec3::Zero();
+  const Inertia first{1.0 / bodies.mass[0], inverse_inertia(bodies, 0)};
+  if (!e.state.walls.planes.empty()) {
+    const Plane& plane = e.state.walls.planes[0];
+    const std::uint32_t s = e.state.walls.records().front().i;
+    const Vec3 x = bodies.spheres.position[s];
+    blow.normal = -plane.normal;
+    blow.arm_i = x - (x - plane.point).dot(plane.normal) * plane.normal - bodies.position[0];
+  } else {
+    const ContactRecord r = e.state.contacts.records().front();
+    const Vec3 a = bodies.spheres.position[r.i], b = bodies.spheres.position[r.j];
+    blow.normal = (b - a).normalized();
+    const Vec3 c = a + bodies.spheres.radius[r.i] * blow.normal;
+    blow.arm_i = c - bodies.position[0];
+    blow.arm_j = c - bodies.position[1];
+    other = {1.0 / bodies.mass[1], inverse_inertia(bodies, 1)};
+    blow.velocity_j = bodies.velocity[1];
+    blow.spin_j = bodies.spin[1];
+  }
+  blow.velocity_i = bodies.velocity[0];
+  blow.spin_i = bodies.spin[0];
+  const auto mobility = [&](const Inertia& side, const Vec3& arm) {
+    const Vec3 lever = arm.cross(blow.normal);
+    return side.inverse_mass + lever.dot(side.inverse_inertia * lever);
+  };
+  blow.mass = 1.0 / (mobility(first, blow.arm_i) + mobility(other, blow.arm_j));
+  blow.approach = point_velocity(bodies, 0, blow.arm_i).dot(blow.normal);
+  if (e.state.walls.planes.empty()) blow.approach -= point_velocity(bodies, 1, blow.arm_j).dot(blow.normal);
+  return blow;
+}
+
+/// Speed of parting at the contact point (m/s).
+double parting(const Experiment& e, const Blow& blow) {
+  const Bodies& bodies = e.state.bodies;
+  double speed = -point_velocity(bodies, 0, blow.arm_i).dot(blow.normal);
+  if (bodies.size() > 1) speed += point_velocity(bodies, 1, blow.arm_j).dot(blow.normal);
+  return speed;
+}
+
+struct Setting {
+  const char* name;
+  std::string bodies;
+};
+
+/// Central and off-centre blows at 1 cm/s: overlaps stay under 1e-3 m and the bodies hardly turn.
+std::vector<Setting> settings() {
+  const auto body = [](const char* shape, double size, const std::string& place) {
+    return fmt::format("[[body]]\nshape = '{}'\nsize = {}\ndensity = {}\nmaterial = 'smooth'\n{}\n", shape, size,
+                       kDensity, place);
+  };
+  const std::string wall = "[[plane]]\nmaterial = 'smooth'\n";
+  const std::string tilted = "orientation = [0.9, 0.1, 0.4, 0.2]\n";
+  return {
+      {"two spheres, central", body("sphere", 1.0, "position = [0, 0, 0]\nvelocity = [0.01, 0, 0]") +
+                                   body("sphere", 2.0, "position = [3.0001, 0, 0]")},
+      {"two spheres, grazing", body("sphere", 1.0, "position = [0, 0, 0]\nvelocity = [0.01, 0, 0]") +
+                                   body("sphere", 1.0, "position = [1.6001, 1.2, 0]")},
+      {"sphere on wall", body("sphere", 1.0, "position = [0, 0, 1.0001]\nvelocity = [0.004, 0, -0.01]") + wall},
+      {"dumbbell flat side against sphere",
+       body("dumbbell", 1.0, "position = [0, 0, 0]\nvelocity = [0.01, 0, 0]\norientation = [1, 0, 0, 1]") +
+           body("sphere", 1.0, "position = [2.0001, 0.8660254037844386, 0]")},
+      {"dumbbell end on wall, upright",
+       body("dumbbell", 1.0, "position = [0, 0, 1.8661]\nvelocity = [0, 0, -0.01]\norientation = [1, 0, 1, 0]") + wall},
+      {"dumbbell off-centre on wall",
+       body("dumbbell", 1.0,
+            "position = [0, 0, 1.8]\nvelocity = [0.003, 0, -0.01]\norientation = [0.92, 0, 0.39, 0]") + wall},
+      {"two tetrahedra, off-centre",
+       body("tetrahedron", 1.0, "position = [0, 0, 0]\nvelocity = [0.01, 0, 0]\n" + tilted) +
+           body("tetrahedron", 1.0, "position = [4, 0.7, -0.4]\nangular_velocity = [1e-5, 2e-5, 0]")},
+      {"rod against cube",
+       body("rod4", 1.0, "position = [0, 0, 0]\nvelocity = [0.01, 0, 0]\norientation = [1, 0, 0.1, 0.8]") +
+           body("cube", 1.5, "position = [5, 1.3, 0.5]\norientation = [0.8, 0.3, 0.1, 0.2]")},
+  };
+}
+
+TEST(Blow, GivesTheRestitutionAskedForAndTheMomentaOfAnImpulse) {
+  for (const Setting& setting : settings())
+    for (const double restitution : {0.2, 0.55, 0.9}) {
+      SCOPED_TRACE(fmt::format("{}, e = {}", setting.name, restitution));
+      Experiment e(smooth_scene(restitution, setting.bodies, "steps_per_contact = 1000"));
+      // Approach to a tenth of a millimetre first: the blow is short, the way to it long.
+      e.begin();
+      const Bodies& bodies = e.state.bodies;
+      const double dt = e.physics.contacts.dt;
+      for (double gap = 1.0; gap > 2e-5 && !e.touching();) {
+        gap = 1e300;
+        const Spheres& s = bodies.spheres;
+        for (std::size_t a = 0; a < s.size(); ++a) {
+          for (std::size_t b = a + 1; b < s.size(); ++b)
+            if (s.body[a] != s.body[b])
+              gap = std::min(gap, (s.position[a] - s.position[b]).norm() - s.radius[a] - s.radius[b]);
+          for (const Plane& p : e.state.walls.planes)
+            gap = std::min(gap, (s.position[a] - p.point).dot(p.normal) - s.radius[a]);
+        }
+        const double safe = std::max(0.0, gap - 1e-5) / 0.02;  // no point moves faster than 2 cm/s
+        for (Vec3& v : e.state.bodies.force) v.setZero();
+        std::vector<Vec3> mid;
+        drift(e.state.bodies, safe, mid);
+        place_spheres(e.state.bodies);
+      }
+      e.begin();
+      const Blow blow = meet(e);
+      ASSERT_GT(blow.approach, 0.002);
+      std::uint64_t steps = 0;
+      for (; e.touching() && steps < 20'000; ++steps) e.advance(1);
+      ASSERT_FALSE(e.touching());
+      EXPECT_NEAR(parting(e, blow) / blow.approach, restitution, 0.005 * restitution);
+
+      const double impulse = (1.0 + restitution) * blow.mass * blow.approach;
+      const Vec3 j = impulse * blow.normal;
+      const double small = 0.003 * impulse;
+      EXPECT_LT((bodies.mass[0] * (bodies.velocity[0] - blow.velocity_i) + j).norm(), small);
+      EXPECT_LT((bodies.spin[0] - blow.spin_i + blow.arm_i.cross(j)).norm(), small);
+      if (bodies.size() > 1) {
+        EXPECT_LT((bodies.mass[1] * (bodies.velocity[1] - blow.velocity_j) - j).norm(), small);
+        EXPECT_LT((bodies.spin[1] - blow.spin_j - blow.arm_j.cross(j)).norm(), small);
+      }
+      // x'' + 2 zeta w x' + w^2 x = 0 touches until x = 0 again: half a damped period.
+      const double omega = std::sqrt(kStiffness / blow.mass), zeta = 0.5 * damping_ratio(restitution);
+      const double duration = kPi / (omega * std::sqrt(1.0 - zeta * zeta));
+      EXPECT_NEAR(static_cast<double>(steps) * dt, duration, 0.005 * duration);
+      fmt::print("{:34} e = {:.2f}: {:.5f}, duration {:.4f}, impulse error {:.1e}\n", setting.name, restitution,
+                 parting(e, blow) / blow.approach, static_cast<double>(steps) * dt / duration,
+                 (bodies.mass[0] * (bodies.velocity[0] - blow.velocity_i) + j).norm() / impulse);
+    }
+}
+
+/// Relative change of kinetic energy in an elastic, frictionless blow of two tetrahedra that meet off-centre,
+/// root mean square over eight phases of the step at first touch.
+double energy_error(double steps_per_contact) {
+  constexpr int phases = 8;
+  double sum = 0.0;
+  for (int phase = 0; phase < phases; ++phase) {
+    Experiment e(smooth_scene(1.0,
+                              fmt::format(R"(
+[[body]]
+shape = "tetrahedron"
+density = {0}
+material = "smooth"
+velocity = [0.1, 0, 0]
+angular_velocity = [0.05, 0.02, -0.03]
+orientation = [0.9, 0.1, 0.4, 0.2]
+[[body]]
+shape = "tetrahedron"
+density = {0}
+material = "smooth"
+position = [3.2, 0.7, -0.4]
+)",
+                                          kDensity),
+                              fmt::format("steps_per_contact = {}", steps_per_contact)));
+    e.begin();
+    e.state.bodies.position[1].x() += phase * 0.1 * e.physics.contacts.dt / phases;
+    e.begin();
+    EXPECT_FALSE(e.touching());
+    const double before = e.kinetic_energy();
+    double deepest = 0.0;
+    for (double t = 0.0; t < 8.0; t += e.physics.contacts.dt) {
+      e.advance(1);
+      deepest = std::max(deepest, e.spring_energy());
+    }
+    EXPECT_FALSE(e.touching());
+    EXPECT_GT(deepest, 0.2 * before);  // they did meet
+    EXPECT_EQ(e.state.ledger.dissipated, 0.0);
+    sum += std::pow(e.kinetic_energy() / before - 1.0, 2);
+  }
+  return std::sqrt(sum / phases);
+}
+
+TEST(ElasticBlow, OffCentreTetrahedraKeepTheirEnergyToSecondOrder) {
+  const double coarse = energy_error(50), fine = energy_error(100), finest = energy_error(200);
+  EXPECT_LT(coarse, 1e-3);
+  EXPECT_NEAR(coarse / fine, 4.0, 1.5);
+  EXPECT_NEAR(fine / finest, 4.0, 1.5);
+  fmt::print("energy error {:.2e}, {:.2e}, {:.2e} at 50, 100, 200 steps per contact\n", coarse, fine, finest);
+}
+
+}  // namespace
+}  // namespace cairn
