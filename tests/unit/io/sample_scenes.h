@@ -53,7 +53,8 @@ rolling_slip = "zhang2017"
 
 [gravity]
 method = "direct"
-opening_angle = 0.7
+opening_angle = 0.6
+order = 6
 interval = 10
 field = [0, 0, -9.81]
 

@@ -67,7 +67,8 @@ TEST(Scene, MaterialsContactAndGravityArrive) {
   EXPECT_EQ(scene.contact.damping_mass, DampingMass::spheres);
   EXPECT_EQ(scene.contact.rolling_slip, RollingSlip::zhang2017);
   EXPECT_EQ(scene.gravity.method, GravityMethod::direct);
-  EXPECT_EQ(scene.gravity.opening_angle, 0.7);
+  EXPECT_EQ(scene.gravity.opening_angle, 0.6);
+  EXPECT_EQ(scene.gravity.order, 6);
   EXPECT_EQ(scene.gravity.interval, 10);
   EXPECT_EQ(scene.gravity.field, Vec3(0, 0, -9.81));
 }
@@ -161,7 +162,7 @@ TEST(Scene, LaterErrorsCanNameTheLine) {
   const Scene scene = parse(kPileScene);
   EXPECT_STREQ(scene.sources.error("cloud[0].shape[1].shape", "no such shape").what(),
                "scene.toml:22:11: key 'cloud[0].shape[1].shape': no such shape");
-  EXPECT_EQ(scene.sources.find("stage[1].stiffness").line, 62u)
+  EXPECT_EQ(scene.sources.find("stage[1].stiffness").line, 63u)
       << "an absent key stands where its table does";
 }
 

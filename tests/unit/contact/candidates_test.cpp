@@ -1,0 +1,134 @@
+#include "contact/candidates.h"
+
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+#include "shape/library.h"
+
+namespace cairn {
+namespace {
+
+TEST(ContactList, RebuildKeepsTheHistoriesOfTouchingPairs) {
+  ContactList list;
+  std::vector<Pair> pairs{{0, 1}, {0, 3}, {1, 2}, {2, 3}};
+  list.rebuild(pairs, 4, kWhole);
+  const ContactMemory<double> first{1.0, 2.0, {3.0, 4.0, 5.0}, {6.0, 7.0, 8.0}, 9.0};
+  ContactMemory<double> second = first;
+  second.slide.y = -1.5;
+  list.set_memory(1, first);
+  list.set_memory(3, second);
+  pairs = {{0, 2}, {0, 3}, {1, 3}, {2, 3}};
+  list.rebuild(pairs, 4, kWhole);
+
+  const std::vector<ContactRecord> records = list.records();
+  ASSERT_EQ(records.size(), 2u);
+  EXPECT_EQ(records[0].i, 0u);
+  EXPECT_EQ(records[0].j, 3u);
+  EXPECT_EQ(records[0].memory.slide.z, 5.0);
+  EXPECT_EQ(records[0].memory.roll.x, 6.0);
+  EXPECT_EQ(records[0].memory.twist, 9.0);
+  EXPECT_EQ(records[0].memory.c_s, 2.0);
+  EXPECT_EQ(records[1].i, 2u);
+  EXPECT_EQ(records[1].memory.slide.y, -1.5);
+  EXPECT_FALSE(list.touching(0));
+  EXPECT_FALSE(list.touching(2));
+  list.release(1);
+  EXPECT_EQ(list.records().size(), 1u);
+}
+
+TEST(ContactList, KnowsTheSlotsOfBothPartners) {
+  ContactList list;
+  std::vector<Pair> pairs{{0, 2}, {0, 3}, {1, 2}, {2, 3}};
+  list.rebuild(pairs, 4, kNormal);
+  EXPECT_EQ(list.begin(0), 0u);
+  EXPECT_EQ(list.begin(1), 2u);
+  EXPECT_EQ(list.begin(4), 4u);
+  const std::vector<std::uint32_t> of_2(list.second.begin() + list.second_begin[2],
+                                        list.second.begin() + list.second_begin[3]);
+  EXPECT_EQ(of_2, (std::vector<std::uint32_t>{0, 2}));
+}
+
+/// A ball of aggregates that turns about z and moves on as one body.
+struct TurningPile {
+  Bodies bodies;
+  RigidMotion motion{.center = {3.0, 4.0, 5.0}, .velocity = {2.0, -1.0, 0.5}, .spin = {0.1, 0.0, 0.4}, .time = 10.0};
+  std::vector<Vec3> offset;
+  std::vector<Quat> attitude;
+
+  TurningPile() {
+    const RigidShape shape = make_rigid(load_shape("diamond", "."), MassModel::union_volume);
+    Random random(1, 0);
+    for (int b = 0; b < 80; ++b) {
+      offset.push_back(15.0 * random.in_ball());
+      attitude.push_back(random.rotation());
+      add_body(bodies, shape, 0, 1.0, 2500.0, 0, {.position = motion.center + offset.back()});
+    }
+    place(motion.time);
+  }
+
+  void place(double time) {
+    const double t = time - motion.time;
+    const Quat turn(Eigen::AngleAxisd(motion.spin.norm() * t, motion.spin.normalized()));
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      bodies.position[b] = motion.center + t * motion.velocity + turn * offset[b];
+      bodies.orientation[b] = turn * attitude[b];
+    }
+    place_spheres(bodies);
+  }
+};
+
+TEST(Candidates, OfAPileThatTurnsAsOneBodyNeverExpire) {
+  TurningPile pile;
+  Candidates candidates;
+  ContactList contacts;
+  EXPECT_TRUE(candidates.expired(pile.bodies, pile.motion.time));
+  candidates.rebuild(pile.bodies, pile.motion, kWhole, contacts);
+  EXPECT_GT(contacts.slots(), 50u);
+  for (double t = 10.0; t < 1000.0; t += 0.7) {
+    pile.place(t);
+    ASSERT_FALSE(candidates.expired(pile.bodies, t)) << t;
+  }
+  // One body that leaves its place by more than half the skin (a tenth of the smallest radius) ends the list.
+  pile.place(500.0);
+  pile.bodies.position[7].x() += 0.04;
+  place_spheres(pile.bodies);
+  EXPECT_FALSE(candidates.expired(pile.bodies, 500.0));
+  pile.bodies.position[7].x() += 0.02;
+  place_spheres(pile.bodies);
+  EXPECT_TRUE(candidates.expired(pile.bodies, 500.0));
+}
+
+TEST(Candidates, HoldEveryTouchingPairUntilTheyExpire) {
+  TurningPile pile;
+  Candidates candidates;
+  ContactList contacts;
+  candidates.rebuild(pile.bodies, pile.motion, kWhole, contacts);
+  Random random(2, 0);
+  for (Vec3& x : pile.offset) x += 0.0499 * random.direction();  // almost half the skin, any way
+  pile.place(60.0);
+  ASSERT_FALSE(candidates.expired(pile.bodies, 60.0));
+  const Spheres& s = pile.bodies.spheres;
+  std::size_t touching = 0;
+  for (std::uint32_t i = 0; i < s.size(); ++i)
+    for (std::uint32_t j = i + 1; j < s.size(); ++j) {
+      if (s.body[i] == s.body[j] || (s.position[i] - s.position[j]).norm() >= s.radius[i] + s.radius[j]) continue;
+      ++touching;
+      bool listed = false;
+      for (std::uint32_t slot = contacts.begin(i); slot < contacts.begin(i + 1); ++slot)
+        listed |= contacts.pair(slot).j == j;
+      EXPECT_TRUE(listed) << i << ' ' << j;
+    }
+  EXPECT_GT(touching, 50u);
+}
+
+TEST(Candidates, PositionThatIsNotFiniteExpires) {
+  TurningPile pile;
+  Candidates candidates;
+  ContactList contacts;
+  candidates.rebuild(pile.bodies, pile.motion, kNormal, contacts);
+  pile.bodies.spheres.position[3].y() = std::nan("");
+  EXPECT_TRUE(candidates.expired(pile.bodies, pile.motion.time));
+}
+
+}  // namespace
+}  // namespace cairn

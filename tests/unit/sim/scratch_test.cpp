@@ -1,0 +1,136 @@
+// What can be rebuilt may be thrown away: neither that nor the number of threads changes one bit of a run.
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <cstring>
+
+#include "core/random.h"
+#include "shape/library.h"
+#include "sim/step.h"
+
+namespace cairn {
+namespace {
+
+struct Case {
+  Physics physics;
+  State state;
+  Scratch scratch;
+};
+
+/// A hundred mixed aggregates thrown together above a plane, all contact models on.
+Case thrown_together(const std::string& gravity) {
+  const Scene scene = parse_scene(fmt::format(R"(
+[[body]]
+shape = "sphere"
+density = 1
+material = "rough"
+[[material]]
+name = "rough"
+cohesion = 20
+[[plane]]
+point = [0, 0, -14]
+material = "rough"
+[contact]
+stiffness = 2e6
+overlap_limit = 1
+steps_per_contact = 20
+[gravity]
+{}
+field = [0, 0, -0.5]
+[[stage]]
+name = "fall"
+duration = 1e4
+)",
+                                              gravity),
+                                  "scratch.toml", ".");
+  Case c;
+  const std::vector<std::string> names{"sphere", "rod4", "cube", "tetrahedron"};
+  Random random(3, 0);
+  std::uint32_t b = 0;
+  for (int x = -2; x <= 2; ++x)
+    for (int y = -2; y <= 2; ++y)
+      for (int z = -1; z <= 1; ++z, ++b) {
+        const RigidShape shape = make_rigid(load_shape(names[b % 4], "."), MassModel::union_volume);
+        add_body(c.state.bodies, shape, b % 4, b % 4 == 1 ? 0.8 : 1.5, 2500.0, 0,
+                 {.position = 6.2 * Vec3(x, y, z),
+                  .orientation = random.rotation(),
+                  .velocity = 1.5 * random.in_ball() - 0.3 * Vec3(x, y, z),
+                  .angular_velocity = 0.5 * random.in_ball()});
+      }
+  c.state.remnant.assign(c.state.bodies.size(), 1);
+  c.state.walls.planes = make_planes(scene);
+  c.state.walls.resize(c.state.bodies.spheres.size());
+  c.physics = resolve_physics(scene, 0, c.state.bodies, *scene.contact.stiffness);
+  begin_stage(c.physics, {}, c.state, c.scratch);
+  c.state.clock.dt = c.physics.contacts.dt;
+  return c;
+}
+
+bool same_bits(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0;
+}
+
+void expect_same_bits(const State& a, const State& b) {
+  EXPECT_TRUE(same_bits(a.bodies.position, b.bodies.position));
+  EXPECT_TRUE(same_bits(a.bodies.velocity, b.bodies.velocity));
+  EXPECT_TRUE(same_bits(a.bodies.spin, b.bodies.spin));
+  EXPECT_TRUE(same_bits(a.bodies.force, b.bodies.force));
+  EXPECT_TRUE(same_bits(a.bodies.torque, b.bodies.torque));
+  for (std::size_t i = 0; i < a.bodies.size(); ++i)
+    EXPECT_EQ(a.bodies.orientation[i].coeffs(), b.bodies.orientation[i].coeffs());
+  const auto same_records = [](const std::vector<ContactRecord>& x, const std::vector<ContactRecord>& y) {
+    ASSERT_EQ(x.size(), y.size());
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      EXPECT_EQ(x[k].i, y[k].i);
+      EXPECT_EQ(x[k].j, y[k].j);
+      EXPECT_EQ(std::memcmp(&x[k].memory, &y[k].memory, sizeof x[k].memory), 0);
+    }
+  };
+  same_records(a.contacts.records(), b.contacts.records());
+  same_records(a.walls.records(), b.walls.records());
+  EXPECT_EQ(a.ledger.dissipated, b.ledger.dissipated);
+  EXPECT_EQ(a.ledger.largest_overlap, b.ledger.largest_overlap);
+}
+
+constexpr int kSteps = 1500;
+
+void expect_scratch_can_go(const std::string& gravity) {
+  Case kept = thrown_together(gravity), thrown = thrown_together(gravity);
+  Random random(4, 0);
+  int times = 0;
+  for (int k = 0; k < kSteps; ++k) {
+    step(kept.physics, kept.state, kept.scratch);
+    if (random.uniform() < 0.05) {
+      thrown.scratch = Scratch{};
+      prepare_scratch(thrown.physics, thrown.state, thrown.scratch);
+      ++times;
+    }
+    step(thrown.physics, thrown.state, thrown.scratch);
+  }
+  EXPECT_GT(times, 20);
+  EXPECT_GT(kept.state.contacts.records().size(), 20u);
+  EXPECT_GT(kept.state.walls.touching(), 0u);
+  expect_same_bits(kept.state, thrown.state);
+}
+
+TEST(Scratch, CanBeThrownAwayAtAnyStepWithDirectGravity) { expect_scratch_can_go("method = 'direct'"); }
+TEST(Scratch, CanBeThrownAwayAtAnyStepWithHeldTreeGravity) {
+  expect_scratch_can_go("method = 'tree'\ninterval = 7");
+}
+
+TEST(Threads, NumberOfThreadsDoesNotChangeOneBit) {
+  const int threads = omp_get_max_threads();
+  const auto run = [](int n) {
+    omp_set_num_threads(n);
+    Case c = thrown_together("method = 'tree'");
+    for (int k = 0; k < kSteps; ++k) step(c.physics, c.state, c.scratch);
+    return c;
+  };
+  const Case one = run(1), two = run(2);
+  omp_set_num_threads(threads);
+  EXPECT_GT(one.state.contacts.records().size(), 20u);
+  expect_same_bits(one.state, two.state);
+}
+
+}  // namespace
+}  // namespace cairn
