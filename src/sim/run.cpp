@@ -80,6 +80,8 @@ Run Run::resume(const std::filesystem::path& path) {
   ContactColumns contacts, walls;
   run.results_.read_checkpoint(checkpoint_fields(state, contacts, walls));
   check_checkpoint(path, run.scene_, state);
+  if (const std::vector<double> periods = run.results_.read_series("period"); !periods.empty())
+    run.last_.period = periods.back();  // snapshots repeat it
   run.results_.declare_series(series_columns());
   run.prepare_bodies();
   run.inherited_ = contacts.records();
