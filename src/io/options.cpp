@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/suggest.h"
 #include "io/toml_file.h"
 
 namespace cairn {
@@ -68,7 +69,7 @@ std::string without_indices(const std::string& key) {
 std::string unknown_key(std::string_view name, const std::vector<KeyInfo>& keys) {
   std::vector<std::string> names;
   for (const KeyInfo& key : keys) names.push_back(key.name);
-  const std::string near = nearest(name, names);
+  const std::string near = nearest_name(name, names);
   return near.empty() ? "unknown key; expected " + alternatives(names)
                       : fmt::format("unknown key; did you mean '{}'?", near);
 }
@@ -125,7 +126,7 @@ std::size_t read_choice(const Value& value, const std::vector<std::string>& name
   const std::string& word = value.node.as_string()->get();
   const auto found = std::find(names.begin(), names.end(), word);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
-  const std::string near = nearest(word, names);
+  const std::string near = nearest_name(word, names);
   value.fail(fmt::format("expected {}, found '{}'{}", alternatives(names), printable(word),
                          near.empty() ? "" : fmt::format("; did you mean '{}'?", near)));
 }

@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "core/suggest.h"
 #include "io/scene_keys.h"
 #include "io/toml_file.h"
 
@@ -48,7 +49,7 @@ class Checks {
 
   void check_reference(const std::string& name, const std::string& key) const {
     if (materials_.contains(name)) return;
-    const std::string near = nearest(name, material_names());
+    const std::string near = nearest_name(name, material_names());
     throw error(key, "no [[material]] is called '{}'; {}", name,
                 near.empty() ? "expected " + alternatives(material_names())
                              : fmt::format("did you mean '{}'?", near));

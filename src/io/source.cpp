@@ -36,22 +36,6 @@ bool disturbs_line(char32_t c) {
          (c >= 0x2028 && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069) || c == 0xFEFF;
 }
 
-// Edit distance with neighbouring letters exchanged counted as one edit (optimal string alignment).
-std::size_t edits(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        row[j] = std::min(row[j], before[j - 2] + 1);
-    }
-    before = std::exchange(last, row);
-  }
-  return last[b.size()];
-}
-
 }  // namespace
 
 SourcePosition SourceMap::find(std::string_view key) const {
@@ -97,21 +81,6 @@ std::string printable(std::string_view text, std::size_t limit) {
     if (result.size() > limit && !text.empty()) return result + "...";
   }
   return result;
-}
-
-std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {
-  constexpr std::size_t longest_sensible = 64;
-  if (word.size() > longest_sensible) return {};
-  std::string best;
-  std::size_t fewest = longest_sensible;
-  for (const std::string& candidate : candidates) {
-    const std::size_t count = edits(word, candidate);
-    const std::size_t tolerated = std::max<std::size_t>(1, std::max(word.size(), candidate.size()) / 3);
-    if (count > tolerated || count >= fewest) continue;
-    best = candidate;
-    fewest = count;
-  }
-  return best;
 }
 
 std::string alternatives(const std::vector<std::string>& words) {

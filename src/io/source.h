@@ -42,9 +42,6 @@ class SourceMap {
 /// what is longer than `limit` bytes is cut.
 std::string printable(std::string_view text, std::size_t limit = 200);
 
-/// The candidate nearest in spelling to `word`; empty when none is near.
-std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
-
 /// "'a', 'b' or 'c'"
 std::string alternatives(const std::vector<std::string>& words);
 

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "shape/shape_file.h"
-#include "shape/suggest.h"
+#include "core/suggest.h"
 
 namespace cairn {
 namespace {

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "core/error.h"
-#include "shape/suggest.h"
+#include "core/suggest.h"
 
 namespace cairn {
 namespace {

@@ -45,6 +45,8 @@ Run::Run(Scene scene, Setup setup, ResultFile results) : Run(std::move(scene), s
   state_.k_n = setup.k_n;
   state_.remnant.assign(state_.bodies.size(), 1);
   prepare_bodies();
+  for (std::size_t k = 0; k < stages(); ++k)  // a stage that cannot run shall say so now, not after hours
+    resolve_physics(scene_, k, state_.bodies, resolve_stiffness(scene_, k, state_.bodies));
   const Budget total = budget(state_.bodies);
   state_.ledger.start_momentum = total.momentum;
   state_.ledger.start_angular_momentum = total.angular_momentum_about_center;

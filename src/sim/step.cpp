@@ -109,10 +109,11 @@ void add_fields(const Physics& physics, State& state, Scratch& scratch) {
                  [&](std::size_t b) { state.bodies.force[b] += state.bodies.mass[b] * physics.field; });
 }
 
-void control_spin(const Physics& physics, State& state) {
+void control_spin(const Physics& physics, State& state, Scratch& scratch) {
   if (!state.control.active || state.clock.step % physics.control_steps != 0) return;
   const double period = period_at(physics.spin->path, state.clock.stage_time());
-  const SpinCorrection done = impose_period(state.bodies, state.remnant, period);
+  const SpinCorrection done =
+      impose_period(state.bodies, physics.spin->include_shed ? scratch.everyone : state.remnant, period);
   state.ledger.control_momentum += done.momentum;
   state.ledger.control_work += done.work;
   Control& control = state.control;
@@ -127,6 +128,7 @@ void prepare_scratch(const Physics& physics, State& state, Scratch& scratch) {
   scratch.candidates.rebuild(state.bodies, rigid_motion(state.bodies, state.clock.time()),
                              physics.contacts.features, state.contacts);
   scratch.list_age = 0;
+  scratch.everyone.assign(state.bodies.size(), 1);
   if (physics.gravity == GravityMethod::tree) scratch.tree = gravity::Fmm(physics.tree);
 }
 
@@ -195,7 +197,7 @@ void step(const Physics& physics, State& state, Scratch& scratch) {
   }
   if (physics.spin) {
     ScopedTimer timer(time_of(scratch, Phase::control));
-    control_spin(physics, state);
+    control_spin(physics, state, scratch);
   }
 }
 

@@ -62,6 +62,49 @@ series_interval = 31
 checkpoint_interval = 1
 )";
 
+/// Two clouds run into each other; enough spheres that threads share the work.
+inline const std::string kClouds = R"(title = "Two clouds meet"
+seed = 3
+
+[[cloud]]
+count = 60
+filling = 0.2
+size = 10
+density = 3000
+position = [-150, 0, 0]
+velocity = [2, 0, 0]
+[[cloud.shape]]
+shape = "diamond"
+[[cloud]]
+count = 60
+filling = 0.2
+size = 10
+density = 3000
+position = [150, 40, 0]
+velocity = [-2, 0, 0]
+[[cloud.shape]]
+shape = "tetrahedron"
+
+[[material]]
+name = "nominal"
+cohesion = 50
+
+[contact]
+max_overlap = 0.05
+steps_per_contact = 20
+
+[gravity]
+interval = 7
+
+[[stage]]
+name = "meet"
+duration = 40
+
+[output]
+snapshot_interval = 13
+series_interval = 3
+)";
+
 /// Two spheres that meet; a run of a moment.
 inline const std::string kTwo = R"(title = "Two balls"
 

@@ -56,8 +56,8 @@ duration = 1e6
     bodies.velocity[b] += speed * (0.5 * random.in_ball() - bodies.position[b] / reach);
     bodies.spin[b] += bodies.mass[b] * bodies.length[b] * 0.1 * speed * random.in_ball();
   }
-  pile.scene.stages[0].impact_speed = 0.5 * speed;
-  pile.scene.stages[0].impact_speed = 0.5 * speed;
+  pile.scene.stages[0].impact_speed = 0.2 * speed;
+  pile.scene.stages[0].impact_speed = 0.2 * speed;
   pile.begin();
   return pile;
 }

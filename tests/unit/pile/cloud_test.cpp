@@ -66,8 +66,9 @@ TEST(Cloud, SpheresOfDifferentBodiesDoNotOverlapAndFillTheBall) {
   const Spheres& s = bodies.spheres;
   for (std::size_t a = 0; a < s.size(); ++a)
     for (std::size_t b = a + 1; b < s.size(); ++b)
-      if (s.body[a] != s.body[b])
+      if (s.body[a] != s.body[b]) {
         ASSERT_GE((s.position[a] - s.position[b]).norm(), s.radius[a] + s.radius[b]) << a << ' ' << b;
+      }
   double volume = 0.0, reach = 0.0;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     double bound = 0.0;

@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "shape/library.h"
-#include "shape/suggest.h"
+#include "core/suggest.h"
 
 namespace cairn {
 namespace {

@@ -101,7 +101,8 @@ void expect_scratch_can_go(const std::string& gravity) {
   for (int k = 0; k < kSteps; ++k) {
     step(kept.physics, kept.state, kept.scratch);
     if (random.uniform() < 0.05) {
-      thrown.scratch = Scratch{};
+      Scratch fresh;
+      std::swap(thrown.scratch, fresh);
       prepare_scratch(thrown.physics, thrown.state, thrown.scratch);
       ++times;
     }
