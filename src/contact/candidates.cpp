@@ -34,6 +34,14 @@ void Candidates::rebuild(const Bodies& bodies, const RigidMotion& motion, const 
     skin_ = 0.1 * smallest_;
   }
   search_.find(spheres.position, spheres.radius, spheres.body, skin_, pairs_);
+  // Pairs that touched and have flown apart since stay until the sweep has ended their contacts.
+  const std::size_t near = pairs_.size();
+  for (std::size_t slot = 0; slot < contacts.slots(); ++slot)
+    if (contacts.touching(slot)) pairs_.push_back(contacts.pair(slot));
+  const auto before = [](const Pair& a, const Pair& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; };
+  std::inplace_merge(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(near), pairs_.end(),
+                     before);
+  pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
   contacts.rebuild(pairs_, spheres.size(), features);
   motion_ = motion;
   reference_.resize(spheres.size());

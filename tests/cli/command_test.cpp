@@ -35,7 +35,7 @@ TEST(Pile, ARunContinuesFromItsBodiesAndContacts) {
   // Balls that stick together, slide and roll on each other when the pile ends.
   const std::string pile =
       with(with(kTwo, "[2.01, 0, 0]", "[1.999, 0, 0]"), "[-0.01, 0, 0]", "[-0.001, 0.002, 0]") +
-      "\n[contact]\nstiffness = 1e5\n[[material]]\nname = \"rock\"\n";
+      "\n[contact]\nstiffness = 1e5\n[[material]]\nname = \"rock\"\ncohesion = 800\n";
   folder.write("pile.toml", pile);
   ASSERT_TRUE(succeeded(cairn(folder, {"build", "pile.toml", "-o", "pile.h5"})));
   const std::string more =
@@ -113,29 +113,31 @@ TEST(Commands, PicturesAndTables) {
 
 TEST(MainJob, ConservesFollowsTheSpinPathAndFails) {
   const Folder folder;
-  std::string scene =
-      with(with(kForty, "count = 40", "count = 60"), "[[cloud.shape]]\nshape = \"tetrahedron\"\n", "");
+  // The first example with 60 grains and a quicker path.
+  std::string scene = with(read_bytes(CAIRN_EXAMPLES "/diamonds.toml"), "count = 300", "count = 60");
+  scene.replace(scene.find("path = ["), scene.find("on_failure") - scene.find("path = ["),
+                "path = [[0, 18000], [6000, 6000]]\n");
   scene =
-      with(with(scene, "[[cloud.shape]]\nshape = \"sphere\"\n", ""), "duration = 3000", "duration = 5000");
-  folder.write("job.toml", with(scene, "[3000, 6000]]", "[3000, 6000]]\nafter_failure = 500"));
+      with(with(scene, "after_failure = 1200", "after_failure = 300"), "duration = 24000", "duration = 6000");
+  folder.write("job.toml", with(scene, "duration = 6000\nimpact_speed = 0.02\n\n[output]",
+                                "duration = 500\nimpact_speed = 0.02\n\n[output]"));
   ASSERT_TRUE(succeeded(cairn(folder, {"run", "job.toml"})));
   const fs::path file = folder / "job.h5";
   const auto target = series(file, "spin_target"), period = series(file, "period"),
-             active = series(file, "control_active");
+             active = series(file, "control_active"), apart = series(file, "shed_bodies");
   int controlled = 0;
   for (std::size_t k = 1; k < active.size(); ++k)
-    if (active[k] > 0.0 && active[k - 1] > 0.0) {
+    if (active[k] > 0.0 && active[k - 1] > 0.0 && apart[k] == apart[k - 1]) {  // the same grains spin
       EXPECT_NEAR(period[k] / target[k], 1.0, 1e-12) << k;
       ++controlled;
     }
-  EXPECT_GT(controlled, 3);
-  EXPECT_EQ(active.back(), 0.0);  // it has failed
+  EXPECT_GT(controlled, 20);
+  EXPECT_TRUE(succeeded(cairn(folder, {"render", "job.h5", "--at", "failure", "-o", "f.png", "--draft"})));
   for (double drift : series(file, "angular_momentum_drift")) EXPECT_LE(drift, 1e-10);
   for (double overlap : series(file, "largest_overlap")) EXPECT_LT(overlap, 0.1);
   for (const char* energy : {"kinetic_energy", "rotational_energy", "gravitational_energy", "elastic_energy",
                              "dissipated_work", "control_work"})
     for (double value : series(file, energy)) EXPECT_TRUE(std::isfinite(value)) << energy;
-  EXPECT_GT(series(file, "coordination").back(), 0.3);
 }
 
 }  // namespace
