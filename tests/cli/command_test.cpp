@@ -20,8 +20,11 @@ TEST(TimeStep, TooLongIsRefusedAndForcedEndsWithAReadableFile) {
   folder.write("long.toml", stiff + "time_step = 8\n");
   EXPECT_TRUE(refused(cairn(folder, {"run", "long.toml"}), {"time_step 8 s", "longest safe one is"}));
   EXPECT_FALSE(fs::exists(folder / "long.h5"));
-  folder.write("forced.toml",
-               with(stiff, "duration = 3", "duration = 300000") + "time_step = 8\nunsafe_time_step = true\n");
+  // The blow throws the balls up; they fall back and through the floor.
+  const std::string floor = "\n[[plane]]\npoint = [0, 0, -1]\n";
+  folder.write("forced.toml", with(with(stiff, "duration = 3", "duration = 3000"), "method = \"none\"",
+                                   "method = \"none\"\nfield = [0, 0, -0.01]") +
+                                  "time_step = 8\nunsafe_time_step = true\n" + floor);
   const Outcome end = cairn(folder, {"run", "forced.toml"});
   EXPECT_EQ(end.code, 3) << end.err;
   EXPECT_EQ(lines(end.err), 1u) << end.err;
