@@ -68,8 +68,7 @@ CAIRN_INLINE void scatter(std::vector<double>& to, const Slots& slot, Batch valu
 }
 
 template <Features F>
-CAIRN_INLINE ContactMemory<Batch> load_memory(const ContactList& contacts,
-                                              const Slots& slot) {
+CAIRN_INLINE ContactMemory<Batch> load_memory(const ContactList& contacts, const Slots& slot) {
   ContactMemory<Batch> m;
   m.c_n = gather(contacts.c_n, slot);
   if constexpr (F.tangential) {
@@ -84,8 +83,7 @@ CAIRN_INLINE ContactMemory<Batch> load_memory(const ContactList& contacts,
 }
 
 template <Features F>
-CAIRN_INLINE void store_springs(ContactList& contacts, const Slots& slot,
-                                const ContactMemory<Batch>& m) {
+CAIRN_INLINE void store_springs(ContactList& contacts, const Slots& slot, const ContactMemory<Batch>& m) {
   if constexpr (F.tangential) {
     scatter(contacts.slide[0], slot, m.slide.x);
     scatter(contacts.slide[1], slot, m.slide.y);
@@ -115,9 +113,8 @@ LawConstants<Batch> gather_laws(const Bodies& bodies, const SweepSettings& setti
   return out;
 }
 
-CAIRN_INLINE void store_wrenches(ContactList& contacts, const Slots& slot,
-                                 const Triple<Batch>& force, const Triple<Batch>& torque_i,
-                                 const Triple<Batch>& torque_j) {
+CAIRN_INLINE void store_wrenches(ContactList& contacts, const Slots& slot, const Triple<Batch>& force,
+                                 const Triple<Batch>& torque_i, const Triple<Batch>& torque_j) {
   double* rows[kLanes];
   for (std::size_t l = 0; l < kLanes; ++l) rows[l] = contacts.wrench[slot[l]].force;
   store_transposed({force.x, force.y, force.z, torque_i.x, torque_i.y, torque_i.z, torque_j.x, torque_j.y},

@@ -5,8 +5,8 @@
 #include <fstream>
 
 #include "core/error.h"
-#include "shape/shape_file.h"
 #include "core/suggest.h"
+#include "shape/shape_file.h"
 
 namespace cairn {
 namespace {

@@ -8,8 +8,8 @@
 namespace cairn {
 namespace {
 
-/// A cubic lattice of bodies, slightly overlapping and slowly jostling: loose spheres touch 6 others; the faces of
-/// neighbouring cubes of 8 spheres touch at 4 spheres.
+/// A cubic lattice of bodies, slightly overlapping and slowly jostling: loose spheres touch 6 others; the
+/// faces of neighbouring cubes of 8 spheres touch at 4 spheres.
 struct Packing {
   Scene scene;
   State state;
@@ -52,7 +52,9 @@ void whole_step(benchmark::State& run, const char* shape, double spacing, int si
   run.counters["contacts_per_sphere"] = 2.0 * contacts / spheres;
 }
 
-BENCHMARK_CAPTURE(whole_step, spheres_40000, "sphere", 1.9995, 34)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(whole_step, spheres_40000, "sphere", 1.9995, 34)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 BENCHMARK_CAPTURE(whole_step, cubes_5000, "cube", 3.73155, 17)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace cairn {
 namespace {
 
-constexpr double kStiffness = 1e7;  // N/m
+constexpr double kStiffness = 1e7;   // N/m
 constexpr double kDensity = 2000.0;  // kg/m^3
 
 /// A scene of smooth bodies put by hand, without gravity; `contact` adds keys to its contact table.
@@ -38,10 +38,10 @@ duration = 1e3
 
 /// The two sides of a blow as the first touch finds them.
 struct Blow {
-  Vec3 normal, arm_i, arm_j;   ///< from body 0 to body 1 (or into the wall)
-  double mass;                 ///< effective, kg
+  Vec3 normal, arm_i, arm_j;                    ///< from body 0 to body 1 (or into the wall)
+  double mass;                                  ///< effective, kg
   Vec3 velocity_i, velocity_j, spin_i, spin_j;  ///< before
-  double approach;             ///< m/s
+  double approach;                              ///< m/s
 };
 
 Vec3 point_velocity(const Bodies& bodies, std::size_t b, const Vec3& arm) {
@@ -102,8 +102,8 @@ struct Setting {
 /// Central and off-centre blows at 1 cm/s: overlaps stay under 1e-3 m and the bodies hardly turn.
 std::vector<Setting> settings() {
   const auto body = [](const char* shape, double size, const std::string& place) {
-    return fmt::format("[[body]]\nshape = '{}'\nsize = {}\ndensity = {}\nmaterial = 'smooth'\n{}\n", shape, size,
-                       kDensity, place);
+    return fmt::format("[[body]]\nshape = '{}'\nsize = {}\ndensity = {}\nmaterial = 'smooth'\n{}\n", shape,
+                       size, kDensity, place);
   };
   const std::string wall = "[[plane]]\nmaterial = 'smooth'\n";
   const std::string tilted = "orientation = [0.9, 0.1, 0.4, 0.2]\n";
@@ -112,15 +112,19 @@ std::vector<Setting> settings() {
                                    body("sphere", 2.0, "position = [3.0001, 0, 0]")},
       {"two spheres, grazing", body("sphere", 1.0, "position = [0, 0, 0]\nvelocity = [0.01, 0, 0]") +
                                    body("sphere", 1.0, "position = [1.6001, 1.2, 0]")},
-      {"sphere on wall", body("sphere", 1.0, "position = [0, 0, 1.0001]\nvelocity = [0.004, 0, -0.01]") + wall},
+      {"sphere on wall",
+       body("sphere", 1.0, "position = [0, 0, 1.0001]\nvelocity = [0.004, 0, -0.01]") + wall},
       {"dumbbell flat side against sphere",
        body("dumbbell", 1.0, "position = [0, 0, 0]\nvelocity = [0.01, 0, 0]\norientation = [1, 0, 0, 1]") +
            body("sphere", 1.0, "position = [2.0001, 0.8660254037844386, 0]")},
       {"dumbbell end on wall, upright",
-       body("dumbbell", 1.0, "position = [0, 0, 1.8661]\nvelocity = [0, 0, -0.01]\norientation = [1, 0, 1, 0]") + wall},
+       body("dumbbell", 1.0,
+            "position = [0, 0, 1.8661]\nvelocity = [0, 0, -0.01]\norientation = [1, 0, 1, 0]") +
+           wall},
       {"dumbbell off-centre on wall",
        body("dumbbell", 1.0,
-            "position = [0, 0, 1.8]\nvelocity = [0.003, 0, -0.01]\norientation = [0.92, 0, 0.39, 0]") + wall},
+            "position = [0, 0, 1.8]\nvelocity = [0.003, 0, -0.01]\norientation = [0.92, 0, 0.39, 0]") +
+           wall},
       {"two tetrahedra, off-centre",
        body("tetrahedron", 1.0, "position = [0, 0, 0]\nvelocity = [0.01, 0, 0]\n" + tilted) +
            body("tetrahedron", 1.0, "position = [4, 0.7, -0.4]\nangular_velocity = [1e-5, 2e-5, 0]")},
@@ -176,8 +180,8 @@ TEST(Blow, GivesTheRestitutionAskedForAndTheMomentaOfAnImpulse) {
       const double omega = std::sqrt(kStiffness / blow.mass), zeta = 0.5 * damping_ratio(restitution);
       const double duration = kPi / (omega * std::sqrt(1.0 - zeta * zeta));
       EXPECT_NEAR(static_cast<double>(steps) * dt, duration, 0.005 * duration);
-      fmt::print("{:34} e = {:.2f}: {:.5f}, duration {:.4f}, impulse error {:.1e}\n", setting.name, restitution,
-                 parting(e, blow) / blow.approach, static_cast<double>(steps) * dt / duration,
+      fmt::print("{:34} e = {:.2f}: {:.5f}, duration {:.4f}, impulse error {:.1e}\n", setting.name,
+                 restitution, parting(e, blow) / blow.approach, static_cast<double>(steps) * dt / duration,
                  (bodies.mass[0] * (bodies.velocity[0] - blow.velocity_i) + j).norm() / impulse);
     }
 }

@@ -99,9 +99,9 @@ void expect_momenta_kept(Experiment pile, std::uint64_t steps, double tolerance)
   EXPECT_GT(contacts, pile.state.bodies.size() / 10);
   testing::Test::RecordProperty("linear_drift", fmt::format("{:.3g}", linear));
   testing::Test::RecordProperty("angular_drift", fmt::format("{:.3g}", angular));
-  fmt::print("drift after {} steps: linear {:.2g}, angular {:.2g}; lost {:.2f} of {:.3g} J; up to {} contacts\n",
-             steps, linear, angular, pile.state.ledger.dissipated / energy, energy,
-             contacts);
+  fmt::print(
+      "drift after {} steps: linear {:.2g}, angular {:.2g}; lost {:.2f} of {:.3g} J; up to {} contacts\n",
+      steps, linear, angular, pile.state.ledger.dissipated / energy, energy, contacts);
 }
 
 TEST(IsolatedPile, DirectGravityKeepsMomentumAndAngularMomentum) {

@@ -51,7 +51,8 @@ TEST(ContactList, KnowsTheSlotsOfBothPartners) {
 /// A ball of aggregates that turns about z and moves on as one body.
 struct TurningPile {
   Bodies bodies;
-  RigidMotion motion{.center = {3.0, 4.0, 5.0}, .velocity = {2.0, -1.0, 0.5}, .spin = {0.1, 0.0, 0.4}, .time = 10.0};
+  RigidMotion motion{
+      .center = {3.0, 4.0, 5.0}, .velocity = {2.0, -1.0, 0.5}, .spin = {0.1, 0.0, 0.4}, .time = 10.0};
   std::vector<Vec3> offset;
   std::vector<Quat> attitude;
 
@@ -111,7 +112,8 @@ TEST(Candidates, HoldEveryTouchingPairUntilTheyExpire) {
   std::size_t touching = 0;
   for (std::uint32_t i = 0; i < s.size(); ++i)
     for (std::uint32_t j = i + 1; j < s.size(); ++j) {
-      if (s.body[i] == s.body[j] || (s.position[i] - s.position[j]).norm() >= s.radius[i] + s.radius[j]) continue;
+      if (s.body[i] == s.body[j] || (s.position[i] - s.position[j]).norm() >= s.radius[i] + s.radius[j])
+        continue;
       ++touching;
       bool listed = false;
       for (std::uint32_t slot = contacts.begin(i); slot < contacts.begin(i + 1); ++slot)

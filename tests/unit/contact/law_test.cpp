@@ -12,11 +12,19 @@ namespace {
 
 constexpr double kStiffness = 1e6;
 
-Triple<double> triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-Vec3 vector(const Triple<double>& t) { return {t.x, t.y, t.z}; }
+Triple<double> triple(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+Vec3 vector(const Triple<double>& t) {
+  return {t.x, t.y, t.z};
+}
 
 PairLaw rough_law(double cohesion = 0.0) {
-  const Material m{.name = "m", .restitution_normal = 0.6, .restitution_tangential = 0.4, .friction = 0.8, .cohesion = cohesion};
+  const Material m{.name = "m",
+                   .restitution_normal = 0.6,
+                   .restitution_tangential = 0.4,
+                   .friction = 0.8,
+                   .cohesion = cohesion};
   return make_pair_law(m, m, kStiffness);
 }
 
@@ -27,7 +35,9 @@ struct State {
   ContactMemory<double> memory;
 };
 
-Vec3 flat(const Vec3& v, const Vec3& n) { return v - v.dot(n) * n; }
+Vec3 flat(const Vec3& v, const Vec3& n) {
+  return v - v.dot(n) * n;
+}
 
 /// A pressed contact with springs both within and beyond their limits.
 State random_state(Random& random) {
@@ -37,9 +47,10 @@ State random_state(Random& random) {
   s.geometry = {triple(n), triple(n_mid), random.uniform(1e-4, 2e-3), random.uniform(0.3, 0.7),
                 random.uniform(-0.2, 0.2)};
   s.motion = {triple(0.2 * random.in_ball()), triple(random.in_ball()), triple(0.2 * random.in_ball()),
-              triple(random.in_ball()), triple(random.in_ball()), random.uniform(1e-4, 1e-3)};
-  s.memory = {random.uniform(0.0, 3e3), random.uniform(0.0, 2e3), triple(reach * flat(random.in_ball(), n_mid)),
-              triple(reach * flat(random.in_ball(), n_mid)), random.uniform(-reach, reach)};
+              triple(random.in_ball()),       triple(random.in_ball()), random.uniform(1e-4, 1e-3)};
+  s.memory = {random.uniform(0.0, 3e3), random.uniform(0.0, 2e3),
+              triple(reach * flat(random.in_ball(), n_mid)), triple(reach * flat(random.in_ball(), n_mid)),
+              random.uniform(-reach, reach)};
   return s;
 }
 
@@ -83,13 +94,15 @@ TEST(EffectiveMass, IsTheSameFromBothSidesAndFollowsTheLever) {
   Random random(1, 0);
   for (int k = 0; k < 50; ++k) {
     const Mat3 axes = random.rotation().toRotationMatrix();
-    const Inertia i{0.5, axes * Vec3(1.0, 0.3, 0.2).asDiagonal() * axes.transpose()}, j{2.0, 0.7 * Mat3::Identity()};
+    const Inertia i{0.5, axes * Vec3(1.0, 0.3, 0.2).asDiagonal() * axes.transpose()},
+        j{2.0, 0.7 * Mat3::Identity()};
     const Vec3 a = random.in_ball(), b = random.in_ball(), n = random.direction();
     const EffectiveMass one = effective_mass(i, a, j, b, n), other = effective_mass(j, b, i, a, -n);
     EXPECT_NEAR(one.normal, other.normal, 1e-15);
     EXPECT_NEAR(one.tangential, other.tangential, 1e-15);
     const Vec3 lever = a.cross(n);
-    EXPECT_NEAR(1.0 / one.normal, 2.5 + lever.dot(i.inverse_inertia * lever) + 0.7 * b.cross(n).squaredNorm(), 1e-13);
+    EXPECT_NEAR(1.0 / one.normal, 2.5 + lever.dot(i.inverse_inertia * lever) + 0.7 * b.cross(n).squaredNorm(),
+                1e-13);
   }
 }
 
@@ -176,8 +189,8 @@ TEST(Law, DashpotAndSpringTogetherStayWithinTheLimit) {
   const PairLaw law = rough_law();
   for (int k = 0; k < 2000; ++k) {
     State s = random_state(random);
-    const double press = std::max(
-        0.0, kStiffness * s.geometry.overlap - s.memory.c_n * dot(s.motion.u, s.geometry.n));
+    const double press =
+        std::max(0.0, kStiffness * s.geometry.overlap - s.memory.c_n * dot(s.motion.u, s.geometry.n));
     const ContactAction<double> a = act<kWhole>(law, s);
     const Vec3 n = vector(s.geometry.n), couple = vector(a.couple);
     const double radius = s.geometry.radius, near = 1.0 + 1e-12;
@@ -245,9 +258,7 @@ TEST(Law, RigidRotationLeavesTheSpringsAsTheyAre) {
     s.motion.dt = 1e-3;
     ContactAction<double> a{};
     for (int k = 1; k <= steps; ++k) {
-      const auto at = [&](double t) {
-        return Vec3(Eigen::AngleAxisd(w.norm() * t, w.normalized()) * n0);
-      };
+      const auto at = [&](double t) { return Vec3(Eigen::AngleAxisd(w.norm() * t, w.normalized()) * n0); };
       s.geometry.n = triple(at(k * s.motion.dt));
       s.geometry.n_mid = triple(at((k - 0.5) * s.motion.dt));
       a = act<kWhole>(law, s);
@@ -283,7 +294,8 @@ double unaccounted_loss(double restitution, double dt) {
     lost += a.dissipated;
     const double stored = stored_energy<kNormal>(LawConstants<double>(law), overlap, 0.5, s.memory);
     // In the middle of the blow, too, no energy goes missing.
-    if (overlap > 0.0 && closing < 0.0) return 1.0 - (0.5 * mu * closing * closing + stored + lost) / (0.5 * mu * speed * speed);
+    if (overlap > 0.0 && closing < 0.0)
+      return 1.0 - (0.5 * mu * closing * closing + stored + lost) / (0.5 * mu * speed * speed);
   }
   return 1.0;
 }
@@ -291,7 +303,8 @@ double unaccounted_loss(double restitution, double dt) {
 TEST(Law, WorkLedgerClosesAsTheStepShrinks) {
   const double contact = kPi * std::sqrt(10.0 / kStiffness);
   for (const double e : {0.3, 0.8}) {
-    const double coarse = std::abs(unaccounted_loss(e, contact / 50)), fine = std::abs(unaccounted_loss(e, contact / 800));
+    const double coarse = std::abs(unaccounted_loss(e, contact / 50)),
+                 fine = std::abs(unaccounted_loss(e, contact / 800));
     EXPECT_LT(coarse, 0.05) << e;
     EXPECT_LT(fine, 0.2 * coarse) << e;
     EXPECT_LT(fine, 0.005) << e;

@@ -57,18 +57,23 @@ double fastest_mode(const Side& a, const Side& b, const Vec3& n, double radius, 
   const Mat3 plane = Mat3::Identity() - n * n.transpose();
   const Mat3 mobility = a.mobility + b.mobility, turning = a.inverse_inertia + b.inverse_inertia;
   switch (kind) {
-    case 0: return kStiffness * n.dot(mobility * n);
-    case 1: return k_s * greatest(plane * mobility * plane);
-    case 2: return kStiffness * patch2 * greatest(plane * turning * plane);
-    default: return 2.0 * k_s * patch2 * n.dot(turning * n);
+    case 0:
+      return kStiffness * n.dot(mobility * n);
+    case 1:
+      return k_s * greatest(plane * mobility * plane);
+    case 2:
+      return kStiffness * patch2 * greatest(plane * turning * plane);
+    default:
+      return 2.0 * k_s * patch2 * n.dot(turning * n);
   }
 }
 
 TEST(ShortestContact, OfLooseSpheresIsHalfAPeriodOfTheirReducedMass) {
   const Bodies bodies = collection({"sphere"}, {2.0});
   const double m = bodies.mass[0];
-  EXPECT_NEAR(shortest_contact_time(bodies, kStiffness, 0.5, false, false) / (kPi * std::sqrt(0.5 * m / kStiffness)),
-              1.0, 1e-3);
+  EXPECT_NEAR(
+      shortest_contact_time(bodies, kStiffness, 0.5, false, false) / (kPi * std::sqrt(0.5 * m / kStiffness)),
+      1.0, 1e-3);
   // The lightest pair counts.
   const Bodies mixed = collection({"sphere"}, {2.0, 1.0, 5.0});
   EXPECT_NEAR(shortest_contact_time(mixed, kStiffness, 0.5, false, false) /
@@ -94,7 +99,8 @@ void expect_bound(const Bodies& bodies, double beta, bool walls, double reach) {
   int worst = -1;
   for (int k = 0; k < 40'000; ++k) {
     const Vec3 n = random.direction();
-    const Side a = touch(bodies, sphere(), n, random.rotation()), b = touch(bodies, sphere(), -n, random.rotation());
+    const Side a = touch(bodies, sphere(), n, random.rotation()),
+               b = touch(bodies, sphere(), -n, random.rotation());
     const Side wall{0.0, 1e300, Mat3::Zero(), Mat3::Zero()};
     for (int kind = 0; kind < 4; ++kind) {
       const double pair = fastest_mode(a, b, n, a.radius * b.radius / (a.radius + b.radius), beta, kind);

@@ -53,7 +53,8 @@ Whole whole(const Bodies& bodies, const std::vector<std::uint8_t>& members) {
     if (!members[b]) continue;
     const Vec3 x = bodies.position[b] - w.center;
     w.angular += bodies.mass[b] * x.cross(bodies.velocity[b] - w.momentum / w.mass) + bodies.spin[b];
-    w.inertia += bodies.mass[b] * (x.x() * x.x() + x.y() * x.y()) + inverse_inertia(bodies, b).inverse()(2, 2);
+    w.inertia +=
+        bodies.mass[b] * (x.x() * x.x() + x.y() * x.y()) + inverse_inertia(bodies, b).inverse()(2, 2);
   }
   return w;
 }
@@ -75,7 +76,8 @@ TEST(ImposePeriod, GivesThePeriodExactlyAndNoMomentum) {
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     EXPECT_EQ(bodies.position[b], before.position[b]);
     if (members[b]) {  // a rigid rotation: every body gains the same angular velocity about the mass centre
-      EXPECT_LT((angular_velocity(bodies, b) - angular_velocity(before, b) - Vec3(0.0, 0.0, change)).norm(), 1e-15);
+      EXPECT_LT((angular_velocity(bodies, b) - angular_velocity(before, b) - Vec3(0.0, 0.0, change)).norm(),
+                1e-15);
       const Vec3 gain = change * Vec3::UnitZ().cross(Vec3(bodies.position[b] - was.center));
       EXPECT_LT((bodies.velocity[b] - before.velocity[b] - gain).norm(), 1e-14);
     } else {

@@ -92,7 +92,8 @@ TEST(Cloud, SizesFollowThePowerLaw) {
       ASSERT_LE(d, 4.0);
     }
     const double distance = kolmogorov(sizes, [&](double d) {
-      return exponent == 1.0 ? std::log(d) / std::log(4.0) : (1.0 - std::pow(d, -2.0)) / (1.0 - std::pow(4.0, -2.0));
+      return exponent == 1.0 ? std::log(d) / std::log(4.0)
+                             : (1.0 - std::pow(d, -2.0)) / (1.0 - std::pow(4.0, -2.0));
     });
     EXPECT_LT(distance, 1.63 / std::sqrt(500.0)) << exponent;  // 1 % level
   }

@@ -7,8 +7,8 @@
 #include <fstream>
 
 #include "core/error.h"
-#include "shape/library.h"
 #include "core/suggest.h"
+#include "shape/library.h"
 
 namespace cairn {
 namespace {

@@ -114,7 +114,9 @@ void expect_scratch_can_go(const std::string& gravity) {
   expect_same_bits(kept.state, thrown.state);
 }
 
-TEST(Scratch, CanBeThrownAwayAtAnyStepWithDirectGravity) { expect_scratch_can_go("method = 'direct'"); }
+TEST(Scratch, CanBeThrownAwayAtAnyStepWithDirectGravity) {
+  expect_scratch_can_go("method = 'direct'");
+}
 TEST(Scratch, CanBeThrownAwayAtAnyStepWithHeldTreeGravity) {
   expect_scratch_can_go("method = 'tree'\ninterval = 7");
 }
