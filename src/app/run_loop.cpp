@@ -54,8 +54,8 @@ class ProgressBar {
     if (clock.stage != stage_) {
       if (stage_ != kNone) newline();
       stage_ = clock.stage;
-      stage_start_ = mark_ = last_line_ = now;
-      first_step_ = mark_step_ = clock.step;
+      mark_ = last_line_ = now;
+      mark_step_ = clock.step;
     }
     if (now - mark_ > 1.0) {  // rate over the last seconds
       const double recent = static_cast<double>(clock.step - mark_step_) / (now - mark_);
@@ -86,8 +86,8 @@ class ProgressBar {
 
  private:
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
-  std::uint64_t stage_ = kNone, first_step_ = 0, mark_step_ = 0;
-  double stage_start_ = 0.0, mark_ = 0.0, last_line_ = 0.0, rate_ = 0.0;
+  std::uint64_t stage_ = kNone, mark_step_ = 0;
+  double mark_ = 0.0, last_line_ = 0.0, rate_ = 0.0;
 };
 
 }  // namespace
