@@ -9,18 +9,12 @@
 namespace cairn {
 
 ResultView::ResultView(const std::filesystem::path& path) : file_(ResultFile::open(path)) {
-  file_.read_static("bodies", body_constants(state_.bodies));
-  file_.read_static("spheres", sphere_constants(state_.bodies));
-  file_.read_static("shapes", {{"name", "", "", &shapes_}});
-  complete_bodies(state_.bodies);
+  read_constants(file_, state_.bodies, shapes_);
   ContactColumns contacts, walls;
   file_.read_checkpoint(checkpoint_fields(state_, contacts, walls));
   RunAttributes attributes;
   file_.read_attributes(attributes.table());
   title_ = attributes.title;
-  for (std::uint32_t s : state_.bodies.shape)
-    if (s >= shapes_.size())
-      throw InputError("{}: bodies/shape: found {}, there are {} shapes", path.string(), s, shapes_.size());
 }
 
 std::string ResultView::outcome() const {

@@ -19,7 +19,8 @@ std::string hours(double seconds) {
 }
 
 double last(const ResultView& view, const char* column) {
-  return view.series(column).back();
+  const std::vector<double> values = view.series(column);
+  return values.empty() ? std::nan("") : values.back();
 }
 
 double largest(const ResultView& view, const char* column) {
@@ -33,6 +34,7 @@ double largest(const ResultView& view, const char* column) {
 double value_at(const ResultView& view, const char* column, double t) {
   const std::vector<double> times = view.series("time"), values = view.series(column);
   const auto it = std::upper_bound(times.begin(), times.end(), t);
+  if (values.empty()) return std::nan("");
   return values[static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, it - times.begin() - 1))];
 }
 

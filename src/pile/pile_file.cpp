@@ -11,15 +11,12 @@ namespace cairn {
 namespace {
 
 /// What a damaged or edited file could get wrong; errors lack the file's name.
-void check_pile(const State& state, std::size_t shapes, std::size_t materials,
-                const ContactColumns& contacts) {
+void check_pile(const State& state, std::size_t materials, const ContactColumns& contacts) {
   const Bodies& bodies = state.bodies;
   const std::size_t spheres = bodies.spheres.size();
   if (bodies.position.size() != bodies.size())
     throw InputError("checkpoint: expected as many poses as bodies");
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (bodies.shape[b] >= shapes)
-      throw InputError("bodies/shape: body {} has a shape that is not in the file", b);
     if (bodies.material[b] >= materials)
       throw InputError("bodies/material: body {} has a material that is not in the file", b);
     if (!bodies.position[b].allFinite() || !bodies.velocity[b].allFinite() || !bodies.spin[b].allFinite() ||
@@ -55,14 +52,11 @@ Setup read_pile(const std::filesystem::path& path, const std::vector<Material>& 
   ContactColumns contacts, walls;
   Setup setup;
   std::vector<std::string> names;
-  file.read_static("bodies", body_constants(state.bodies));
-  file.read_static("spheres", sphere_constants(state.bodies));
-  file.read_static("shapes", {{"name", "", "", &setup.shapes}});
+  read_constants(file, state.bodies, setup.shapes);
   file.read_static("materials", {{"name", "", "", &names}});
   file.read_checkpoint(checkpoint_fields(state, contacts, walls));
   try {
-    complete_bodies(state.bodies);
-    check_pile(state, setup.shapes.size(), names.size(), contacts);
+    check_pile(state, names.size(), contacts);
     // Only materials that bodies have are asked of the scene; those of single stages or walls are not.
     std::vector<std::uint16_t> used = state.bodies.material;
     std::sort(used.begin(), used.end());

@@ -105,22 +105,28 @@ FieldTable checkpoint_fields(State& s, ContactColumns& contacts, ContactColumns&
   return table;
 }
 
-void complete_bodies(Bodies& b) {
+void read_constants(const ResultFile& file, Bodies& b, std::vector<std::string>& shapes) {
+  file.read_static("bodies", body_constants(b));
+  file.read_static("spheres", sphere_constants(b));
+  file.read_static("shapes", {{"name", "", "", &shapes}});
+  const auto fail = [&]<class... Args>(fmt::format_string<Args...> what, Args&&... args) {
+    throw InputError("{}: {}", file.path().string(), fmt::format(what, std::forward<Args>(args)...));
+  };
   const std::size_t n = b.mass.size(), spheres = b.spheres.radius.size();
   if (n == 0 || b.first_sphere.size() != n + 1 || b.first_sphere.front() != 0 ||
       b.first_sphere.back() != spheres)
-    throw InputError("bodies/first_sphere: expected {} increasing entries from 0 to the number of spheres",
-                     n + 1);
+    fail("bodies/first_sphere: expected {} increasing entries from 0 to the number of spheres", n + 1);
   for (std::size_t k = 0; k < n; ++k) {
     if (b.first_sphere[k] >= b.first_sphere[k + 1])
-      throw InputError("bodies/first_sphere: expected increasing entries, found a fall after body {}", k);
+      fail("bodies/first_sphere: expected increasing entries, found a fall after body {}", k);
     const bool good = std::isfinite(b.mass[k]) && b.mass[k] > 0.0 && b.inertia[k].allFinite() &&
                       b.inertia[k].minCoeff() > 0.0;
-    if (!good)
-      throw InputError("bodies/mass, bodies/inertia: expected positive values, body {} has others", k);
+    if (!good) fail("bodies/mass, bodies/inertia: expected positive values, body {} has others", k);
+    if (b.shape[k] >= shapes.size())
+      fail("bodies/shape: body {} has number {}, there are {} shapes", k, b.shape[k], shapes.size());
     for (std::uint32_t s = b.first_sphere[k]; s < b.first_sphere[k + 1]; ++s)
       if (b.spheres.body[s] != k || !(b.spheres.radius[s] > 0.0))
-        throw InputError("spheres/body, spheres/radius: sphere {} does not fit body {}", s, k);
+        fail("spheres/body, spheres/radius: sphere {} does not fit body {}", s, k);
   }
   b.force.resize(n, Vec3::Zero());
   b.torque.resize(n, Vec3::Zero());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "io/fields.h"
+#include "io/results.h"
 #include "sim/setup.h"
 #include "sim/state.h"
 
@@ -29,8 +30,8 @@ FieldTable motion_fields(Bodies& bodies);
 /// The whole state but for constants; contacts go through the columns.
 FieldTable checkpoint_fields(State& state, ContactColumns& contacts, ContactColumns& walls);
 
-/// Checks that constants read from a file fit together, and makes room for what is derived from them.
-/// @throws InputError naming what does not fit.
-void complete_bodies(Bodies& bodies);
+/// Reads the constants of bodies and spheres and the names of their shapes, checks that they fit together,
+/// and makes room for what is derived from them. @throws InputError naming the file and what does not fit.
+void read_constants(const ResultFile& file, Bodies& bodies, std::vector<std::string>& shapes);
 
 }  // namespace cairn

@@ -75,10 +75,7 @@ Run Run::resume(const std::filesystem::path& path) {
   results.read_attributes(attributes.table());
   Run run(parse_scene(attributes.scene, path.string(), attributes.directory), std::move(results));
   State& state = run.state_;
-  run.results_.read_static("bodies", body_constants(state.bodies));
-  run.results_.read_static("spheres", sphere_constants(state.bodies));
-  run.results_.read_static("shapes", {{"name", "", "", &run.shapes_}});
-  complete_bodies(state.bodies);
+  read_constants(run.results_, state.bodies, run.shapes_);
   ContactColumns contacts, walls;
   run.results_.read_checkpoint(checkpoint_fields(state, contacts, walls));
   check_checkpoint(path, run.scene_, state);

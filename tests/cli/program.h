@@ -9,24 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "folder.h"
+
 namespace cairn::cli {
-
-/// A folder that goes away with the object.
-class Folder {
- public:
-  Folder();
-  ~Folder();
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
-  /// Absolute path of something in it.
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  /// Writes a text file and returns its path.
-  std::string write(const std::string& name, const std::string& text) const;
-
- private:
-  std::filesystem::path path_;
-};
 
 /// How a program ended.
 struct Outcome {

@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 #include <omp.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +16,7 @@
 #include "app/render/trace.h"
 #include "core/error.h"
 #include "core/random.h"
+#include "folder.h"
 
 /// The font library keeps patterns of its own until the process ends; under the address sanitizer they would
 /// be reported as leaks of these tests.
@@ -31,15 +31,10 @@ namespace fs = std::filesystem;
 
 const Vec3 kGrey = Vec3::Constant(0.5);
 
-/// A folder that is gone after the test.
 class RenderTest : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("cairn render's test " + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path folder_;
+  const Folder scratch_;
+  const fs::path folder_ = scratch_.path();
 };
 
 /// The camera looks down -z at a region of the given side around the origin.

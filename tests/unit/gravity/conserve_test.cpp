@@ -5,7 +5,6 @@
 
 #include "clouds.h"
 #include "gravity/direct.h"
-#include "gravity/external.h"
 #include "gravity/fmm.h"
 
 namespace cairn::gravity {
@@ -80,12 +79,6 @@ TEST(Conserve, GroupForcesAndTorques) {
   EXPECT_EQ(torque[0], Vec3(0, 0, 4));
   EXPECT_EQ(force[1], Vec3(3, 6, 9));
   EXPECT_EQ(torque[1], Vec3(0, 0, 0));
-}
-
-TEST(External, AUniformFieldAdds) {
-  std::vector<Vec3> a(3, Vec3::UnitX());
-  add_field({.acceleration = Vec3(0, 0, -9.81)}, a);
-  EXPECT_EQ(a[2], Vec3(1, 0, -9.81));
 }
 
 }  // namespace

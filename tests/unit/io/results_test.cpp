@@ -17,6 +17,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "folder.h"
 #include "io/xdmf.h"
 
 namespace cairn {
@@ -53,19 +54,13 @@ std::string message(const std::function<void()>& work) {
 
 class Results : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "cairn_results_XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder = name;
-    path = folder / "run.h5";
-  }
-  void TearDown() override { fs::remove_all(folder); }
-
   std::size_t files_in_folder() const {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
   }
 
-  fs::path folder, path;
+  const Folder scratch;
+  const fs::path folder = scratch.path();
+  fs::path path = folder / "run.h5";
 };
 
 /// One of every type a field can have.

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/suggest.h"
+#include "folder.h"
 #include "shape/library.h"
 
 namespace cairn {
@@ -17,15 +18,7 @@ namespace fs = std::filesystem;
 
 class LibraryTest : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "cairn_shapes_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    directory_ = pattern;
-  }
-  void TearDown() override {
-    unsetenv("CAIRN_SHAPES");
-    fs::remove_all(directory_);
-  }
+  void TearDown() override { unsetenv("CAIRN_SHAPES"); }
 
   fs::path write(const std::string& file, const std::string& text) const {
     std::ofstream(directory_ / file) << text;
@@ -46,7 +39,8 @@ class LibraryTest : public testing::Test {
     return "accepted";
   }
 
-  fs::path directory_;
+  const Folder scratch_;
+  const fs::path directory_ = scratch_.path();
 };
 
 const std::string kGood = "name = \"grain\"\n[[sphere]]\ncenter = [0, 0.5, 0]\nradius = 1\n";
