@@ -23,6 +23,12 @@ struct ContactWrench {
   double torque_j[3];  ///< N m
 };
 
+/// What a contact that began or ended within the step gives beyond the half kicks: its wrench times a time.
+struct PartialKick {
+  Pair pair;
+  ContactWrench impulse;  ///< N s, N m s
+};
+
 /// Candidate pairs ("slots") sorted by (i, j), their histories and wrenches.
 class ContactList {
  public:
@@ -52,6 +58,7 @@ class ContactList {
   std::vector<double> c_n, c_s;                  ///< c_n < 0: not touching
   std::vector<double> slide[3], roll[3], twist;  ///< empty when the features lack them
   std::vector<ContactWrench> wrench;             ///< zero where not touching
+  std::vector<std::vector<PartialKick>> kicks;   ///< of the last sweep, by block of spheres
 
  private:
   std::vector<Pair> pairs_;

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "contact/law/law.h"
+#include "contact/law/partial.h"
 #include "core/error.h"
 #include "core/parallel.h"
 
@@ -122,11 +123,29 @@ CAIRN_INLINE void store_wrenches(ContactList& contacts, const Slots& slot, const
   for (std::size_t l = 0; l < kLanes; ++l) rows[l][8] = torque_j.z[l];
 }
 
+void add_first_touches(const ContactList& contacts, const Slots& slot, Mask fresh,
+                       const ContactGeometry<Batch>& geometry, Batch age, Batch k_n, double dt,
+                       std::vector<PartialKick>& kicks) {
+  const FirstTouch<Batch> due = first_touch(k_n, geometry.overlap, age, Batch(dt));
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const bool spare = l > 0 && slot[l] == slot[l - 1];
+    if (!fresh.v[l] || spare) continue;
+    PartialKick kick{contacts.pair(slot[l]), contacts.wrench[slot[l]]};
+    const double n[3] = {geometry.n.x[l], geometry.n.y[l], geometry.n.z[l]};
+    for (int c = 0; c < 3; ++c) {
+      kick.impulse.force[c] = due.wrench[l] * kick.impulse.force[c] + due.normal[l] * n[c];
+      kick.impulse.torque_i[c] *= due.wrench[l];
+      kick.impulse.torque_j[c] *= due.wrench[l];
+    }
+    kicks.push_back(kick);
+  }
+}
+
 /// Eight touching pairs at once.
 template <Features F>
 void evaluate_batch(const std::vector<SphereMotion>& motions, const LawConstants<Batch>& law, double dt,
                     ContactList& contacts, const Slots& slot, Mask fresh, Batch& dissipated,
-                    Batch& overlap_ratio) {
+                    Batch& overlap_ratio, std::vector<PartialKick>& kicks) {
   std::uint32_t index_i[kLanes], index_j[kLanes];
   for (std::size_t l = 0; l < kLanes; ++l) {
     index_i[l] = contacts.pair(slot[l]).i;
@@ -160,11 +179,9 @@ void evaluate_batch(const std::vector<SphereMotion>& motions, const LawConstants
   motion.w_mid = b.spin_mid - a.spin_mid;
   motion.turn = half * (a.spin_mid + b.spin_mid);
   motion.dt = dt;
-  if (any(fresh)) {  // a new contact has existed for a part of the step only
-    const Batch approach = abs(dot(motion.u_mid, geometry.n_mid));
-    const Batch age = geometry.overlap / select(approach > Batch(0.0), approach, one);
-    motion.dt = select(fresh & (approach > Batch(0.0)), min(Batch(dt), age), Batch(dt));
-  }
+  const bool any_fresh = any(fresh);
+  if (any_fresh)
+    motion.dt = select(fresh, age(geometry.overlap, dot(motion.u_mid, geometry.n_mid), Batch(dt)), Batch(dt));
 
   ContactMemory<Batch> memory = load_memory<F>(contacts, slot);
   const ContactAction<Batch> action = evaluate<F>(law, geometry, motion, memory);
@@ -174,6 +191,7 @@ void evaluate_batch(const std::vector<SphereMotion>& motions, const LawConstants
                  fma(arm_j, moment, Batch(-1.0) * action.couple));
   dissipated += action.dissipated;
   overlap_ratio = max(overlap_ratio, geometry.overlap / min(a.radius, b.radius));
+  if (any_fresh) add_first_touches(contacts, slot, fresh, geometry, motion.dt, law.k_n, dt, kicks);
 }
 
 /// The touching pairs of one block of spheres.
@@ -186,7 +204,10 @@ class Block {
         settings_(settings),
         contacts_(contacts),
         begin_(begin),
-        end_(end) {}
+        end_(end),
+        kicks_(contacts.kicks[begin / kBlock]) {
+    kicks_.clear();
+  }
 
   template <Features F>
   SweepReport run(std::vector<std::uint32_t>& active) {
@@ -197,8 +218,8 @@ class Block {
       Slots slot;
       Mask fresh{}, used{};
       bool any_fresh = false;
-      for (std::size_t l = 0; l < kLanes;
-           ++l) {  // spare lanes repeat the last contact: same values, same slot
+      // Spare lanes repeat the last contact: same values, same slot.
+      for (std::size_t l = 0; l < kLanes; ++l) {
         const std::size_t at = std::min(k + l, count - 1);
         slot.index[l] = active[at];
         used.v[l] = k + l < count ? -1 : 0;
@@ -214,7 +235,7 @@ class Block {
       Batch lost(0.0), deepest(0.0);
       const LawConstants<Batch> law =
           settings_.materials == 1 ? single : gather_laws(bodies_, settings_, contacts_, slot);
-      evaluate_batch<F>(motions_, law, settings_.dt, contacts_, slot, fresh, lost, deepest);
+      evaluate_batch<F>(motions_, law, settings_.dt, contacts_, slot, fresh, lost, deepest, kicks_);
       dissipated += select(used, lost, Batch(0.0));
       overlap_ratio = max(overlap_ratio, deepest);
     }
@@ -242,16 +263,28 @@ class Block {
         const bool touch = fma(x, x, fma(y, y, z * z)) < sum * sum;
         active[count] = slot;
         count += touch;
-        if (!touch && contacts_.touching(slot)) {
-          const Pair& pair = contacts_.pair(slot);
-          const PairLaw& law = law_of(bodies_, settings_, pair);
-          released_ += stored_energy<F>(LawConstants<double>(law), 0.0, a.radius * b.radius / sum,
-                                        contacts_.memory(slot));
-          contacts_.release(slot);
-        }
+        if (!touch && contacts_.touching(slot)) part<F>(slot, {x, y, z}, sum);
       }
     }
     return count;
+  }
+
+  /// Ends the contact of two spheres whose centres are now `d` apart.
+  template <Features F>
+  void part(std::uint32_t slot, const Vec3& d, double radii) {
+    using Map = Eigen::Map<const Vec3>;
+    const Pair& pair = contacts_.pair(slot);
+    const SphereMotion &a = motions_[pair.i], &b = motions_[pair.j];
+    const LawConstants<double> law(law_of(bodies_, settings_, pair));
+    const double distance = d.norm(), radius = a.radius * b.radius / radii;
+    const Vec3 n = d / distance;
+    const double u_n = (Map(b.velocity_mid) - Map(a.velocity_mid)).dot(n);
+    const Parting end = parting<F>(law, contacts_.c_n[slot], radius, distance - radii, u_n, settings_.dt);
+    PartialKick kick{pair, {}};
+    Eigen::Map<Vec3>(kick.impulse.force) = end.normal * n;
+    kicks_.push_back(kick);
+    released_ += end.dissipated + stored_energy<F>(law, 0.0, radius, contacts_.memory(slot));
+    contacts_.release(slot);
   }
 
   const Bodies& bodies_;
@@ -259,6 +292,7 @@ class Block {
   const SweepSettings& settings_;
   ContactList& contacts_;
   std::size_t begin_, end_;
+  std::vector<PartialKick>& kicks_;
   double released_ = 0.0;
 };
 
@@ -296,6 +330,7 @@ SweepReport sweep(const Bodies& bodies, const std::vector<SphereMotion>& motions
                   const SweepSettings& settings, ContactList& contacts) {
   const std::size_t spheres = motions.size();
   std::vector<SweepReport> reports((spheres + kBlock - 1) / kBlock);
+  contacts.kicks.resize(reports.size());
   with_features(settings.features, [&]<Features F>() {
     parallel_blocks(spheres, kBlock, [&](std::size_t begin, std::size_t end) {
       static thread_local std::vector<std::uint32_t> active;
@@ -349,6 +384,22 @@ void gather_wrenches(const ContactList& contacts, Bodies& bodies) {
     bodies.force[b] += force;
     bodies.torque[b] += torque;
   });
+}
+
+void apply_partial_kicks(const ContactList& contacts, Bodies& bodies) {
+  using Map = Eigen::Map<const Vec3>;
+  const Spheres& spheres = bodies.spheres;
+  const auto give = [&](std::uint32_t s, const Vec3& impulse, const Vec3& moment) {
+    const std::uint32_t b = spheres.body[s];
+    bodies.velocity[b] += impulse / bodies.mass[b];
+    bodies.spin[b] += moment + (spheres.position[s] - bodies.position[b]).cross(impulse);
+  };
+  for (const std::vector<PartialKick>& block : contacts.kicks)
+    for (const PartialKick& kick : block) {
+      const Vec3 impulse = Map(kick.impulse.force);
+      give(kick.pair.i, impulse, Map(kick.impulse.torque_i));
+      give(kick.pair.j, -impulse, Map(kick.impulse.torque_j));
+    }
 }
 
 double stored_energy(const Bodies& bodies, const SweepSettings& settings, const ContactList& contacts) {

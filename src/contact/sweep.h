@@ -41,6 +41,9 @@ void set_damping(const Bodies& bodies, const SweepSettings& settings, ContactLis
 /// Adds contact forces and torques to the bodies' wrenches, in the order of sphere ids.
 void gather_wrenches(const ContactList& contacts, Bodies& bodies);
 
+/// Gives the bodies the impulses of contacts that began or ended within the step of the last sweep.
+void apply_partial_kicks(const ContactList& contacts, Bodies& bodies);
+
 /// Energy stored in all springs (J), at the spheres' present positions.
 double stored_energy(const Bodies& bodies, const SweepSettings& settings, const ContactList& contacts);
 

@@ -1,5 +1,6 @@
 #include "contact/walls.h"
 
+#include "contact/law/partial.h"
 #include "core/error.h"
 #include "core/parallel.h"
 
@@ -19,10 +20,12 @@ Vec3 vector(const Triple<double>& t) {
 
 constexpr ContactMemory<double> kApart{.c_n = -1.0, .c_s = 0.0, .slide = {}, .roll = {}, .twist = 0.0};
 
-/// One sphere against one plane; the contact point lies on the plane, at distance `gap_arm` from the centre.
+/// One sphere against one plane; the contact point lies on the plane, at distance `arm` from the centre.
+/// `due` is set at first touch.
 template <Features F>
 ContactAction<double> evaluate_plane(const SphereMotion& s, const Plane& plane, const PairLaw& law, double dt,
-                                     bool fresh, double arm, ContactMemory<double>& memory) {
+                                     bool fresh, double arm, ContactMemory<double>& memory,
+                                     FirstTouch<double>& due) {
   const Triple<double> position = triple(s.position), velocity_mid = triple(s.velocity_mid);
   const Triple<double> normal = triple(plane.normal), point = triple(plane.point);
   const double arm_mid = dot(fma(-0.5 * dt, velocity_mid, position) - point, normal);
@@ -41,8 +44,8 @@ ContactAction<double> evaluate_plane(const SphereMotion& s, const Plane& plane, 
   motion.turn = 0.5 * triple(s.spin_mid);
   motion.dt = dt;
   if (fresh) {
-    const double approach = abs(dot(motion.u_mid, geometry.n));
-    if (approach > 0.0) motion.dt = min(dt, geometry.overlap / approach);
+    motion.dt = age(geometry.overlap, dot(motion.u_mid, geometry.n), dt);
+    due = first_touch(law.k_n, geometry.overlap, motion.dt, dt);
   }
   return evaluate<F>(LawConstants<double>(law), geometry, motion, memory);
 }
@@ -102,23 +105,32 @@ SweepReport Walls::sweep(const std::vector<SphereMotion>& motions, const SweepSe
     ContactMemory<double>& memory = memory_[p * spheres_ + s];
     const Vec3 x = bodies.spheres.position[s];
     const double arm = (x - plane.point).dot(plane.normal);
+    const std::uint32_t b = bodies.spheres.body[s];
+    const Vec3 lever = x - arm * plane.normal - bodies.position[b];
+    const auto kick = [&](const Vec3& impulse, const Vec3& couple) {
+      bodies.velocity[b] += impulse / bodies.mass[b];
+      bodies.spin[b] += lever.cross(impulse) + couple;
+    };
     const bool was = memory.c_n >= 0.0;
     if (arm >= m.radius) {
       if (was) {
-        const PairLaw& pair = law(bodies, settings, p, s);
-        report.dissipated += cairn::stored_energy<F>(LawConstants<double>(pair), 0.0, m.radius, memory);
+        const LawConstants<double> pair(law(bodies, settings, p, s));
+        const Parting end = parting<F>(pair, memory.c_n, m.radius, arm - m.radius,
+                                       Eigen::Map<const Vec3>(m.velocity_mid).dot(plane.normal), settings.dt);
+        kick(-end.normal * plane.normal, Vec3::Zero());
+        report.dissipated += end.dissipated + cairn::stored_energy<F>(pair, 0.0, m.radius, memory);
         memory = kApart;
       }
       return;
     }
     if (!was) set_damping(bodies, settings, p, s);
+    FirstTouch<double> due{0.0, 0.0};
     const ContactAction<double> action =
-        evaluate_plane<F>(m, plane, law(bodies, settings, p, s), settings.dt, !was, arm, memory);
-    const std::uint32_t b = bodies.spheres.body[s];
-    const Vec3 force = vector(action.force);
-    const Vec3 c = x - arm * plane.normal;
+        evaluate_plane<F>(m, plane, law(bodies, settings, p, s), settings.dt, !was, arm, memory, due);
+    const Vec3 force = vector(action.force), couple = vector(action.couple);
     bodies.force[b] += force;
-    bodies.torque[b] += (c - bodies.position[b]).cross(force) + vector(action.couple);
+    bodies.torque[b] += lever.cross(force) + couple;
+    if (!was) kick(due.wrench * force - due.normal * plane.normal, due.wrench * couple);
     report += {action.dissipated, (m.radius - arm) / m.radius};
   };
   const Report total = with_features(settings.features, [&]<Features F>() {

@@ -61,6 +61,7 @@ void evaluate_contacts(const Physics& physics, const SweepSettings& settings, St
   std::fill(state.bodies.force.begin(), state.bodies.force.end(), Vec3::Zero());
   std::fill(state.bodies.torque.begin(), state.bodies.torque.end(), Vec3::Zero());
   gather_wrenches(state.contacts, state.bodies);
+  apply_partial_kicks(state.contacts, state.bodies);
   if (!state.walls.planes.empty()) {
     const SweepReport walls = state.walls.sweep(scratch.motions, settings, state.bodies);
     report.dissipated += walls.dissipated;
