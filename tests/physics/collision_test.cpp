@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "contact/law/pair.h"
-#include "experiment.h"
 #include "motion/drift.h"
+#include "physics/experiment.h"
 
 namespace cairn {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "contact/stiffness.h"
 #include "core/random.h"
-#include "experiment.h"
+#include "physics/experiment.h"
 
 namespace cairn {
 namespace {

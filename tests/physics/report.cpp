@@ -1,0 +1,105 @@
+#include "physics/report.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "physics/svg.h"
+
+namespace cairn::report {
+
+namespace {
+
+/// What one suite has to show.
+struct Section {
+  std::string name, rows, rest;
+};
+
+/// Keeps the sections in the order of the tests and writes them when the program ends.
+class Book : public testing::Environment {
+ public:
+  static Book& book() {
+    static Book* const only = dynamic_cast<Book*>(testing::AddGlobalTestEnvironment(new Book));
+    return *only;
+  }
+
+  Section& section() {
+    const std::string name = testing::UnitTest::GetInstance()->current_test_info()->test_suite_name();
+    for (Section& s : sections_)
+      if (s.name == name) return s;
+    return sections_.emplace_back(Section{name, "", ""});
+  }
+
+  const char* folder() const { return std::getenv("CAIRN_REPORT"); }
+
+  void TearDown() override {
+    if (!folder()) return;
+    std::ofstream out(std::filesystem::path(folder()) / "tables.md");
+    for (const Section& s : sections_) {
+      out << "\n## " << s.name << "\n";
+      if (!s.rows.empty())
+        out << "\n| what | against | expected | measured | error | tolerance |\n|---|---|---|---|---|---|\n"
+            << s.rows;
+      out << s.rest;
+    }
+  }
+
+ private:
+  std::vector<Section> sections_;
+};
+
+// gtest takes environments before the tests start.
+[[maybe_unused]] const Book& kBook = Book::book();
+
+void row(const std::string& claim, const std::string& against, const std::string& expected,
+         const std::string& measured, const std::string& difference, const std::string& tolerance) {
+  Book::book().section().rows += fmt::format("| {} | {} | {} | {} | {} | {} |\n", claim, against, expected,
+                                             measured, difference, tolerance);
+}
+
+}  // namespace
+
+void near(const std::string& claim, const std::string& against, double measured, double expected,
+          double tolerance) {
+  EXPECT_NEAR(measured, expected, tolerance) << claim;
+  row(claim, against, fmt::format("{:.6g}", expected), fmt::format("{:.6g}", measured),
+      fmt::format("{:.1e}", std::abs(measured - expected)), fmt::format("{:.1e}", tolerance));
+}
+
+void close(const std::string& claim, const std::string& against, double measured, double expected,
+           double relative) {
+  EXPECT_NEAR(measured, expected, relative * std::abs(expected)) << claim;
+  row(claim, against, fmt::format("{:.6g}", expected), fmt::format("{:.6g}", measured),
+      fmt::format("{:.1e} rel.", std::abs(measured / expected - 1.0)), fmt::format("{:.1e} rel.", relative));
+}
+
+void error(const std::string& claim, const std::string& against, double measured, double tolerance) {
+  EXPECT_GE(measured, 0.0) << claim;
+  EXPECT_LE(measured, tolerance) << claim;
+  row(claim, against, "0", fmt::format("{:.1e}", measured), fmt::format("{:.1e}", measured),
+      fmt::format("{:.1e}", tolerance));
+}
+
+void within(const std::string& claim, const std::string& against, double measured, double low, double high) {
+  EXPECT_GE(measured, low) << claim;
+  EXPECT_LE(measured, high) << claim;
+  row(claim, against, fmt::format("{:.6g} to {:.6g}", low, high), fmt::format("{:.6g}", measured), "", "");
+}
+
+void note(const std::string& text) {
+  Book::book().section().rest += "\n" + text + "\n";
+}
+
+void plot(const std::string& name, const std::string& caption, const Axes& axes,
+          const std::vector<Curve>& curves) {
+  const Book& book = Book::book();
+  if (!book.folder()) return;
+  std::ofstream(std::filesystem::path(book.folder()) / (name + ".svg")) << svg(axes, curves);
+  Book::book().section().rest += fmt::format("\n![{0}](validation/{1}.svg)\n\n*{0}*\n", caption, name);
+}
+
+}  // namespace cairn::report
