@@ -7,6 +7,7 @@ out=${1:-out}
 mkdir -p "$out"
 
 bash .ci/install
+echo "building cairn, a few minutes; compiler output goes to $out/build.log"
 cmake --preset release >"$out/build.log"
 cmake --build --preset release --target cairn >>"$out/build.log" || { tail -n 40 "$out/build.log"; exit 1; }
 cairn=build/release/cairn
