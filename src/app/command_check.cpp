@@ -2,6 +2,8 @@
 
 #include "app/commands.h"
 #include "contact/stiffness.h"
+#include "core/error.h"
+#include "core/parallel.h"
 #include "core/timer.h"
 #include "pile/assemble.h"
 #include "sim/run.h"
@@ -36,13 +38,10 @@ double time_step_cost(const Scene& scene, const Setup& setup, const Physics& phy
 }
 
 void check(const Options& options) {
-  if (options.keys) {
-    fmt::print("{}", scene_reference());
-    return;
-  }
   const Scene scene = load_scene(options.scene);
   const Setup setup = assemble(scene);
   const std::size_t bodies = setup.bodies.size(), spheres = setup.bodies.spheres.size();
+  use_threads_for(spheres);
   double mass = 0.0;
   for (double m : setup.bodies.mass) mass += m;
   fmt::print("{}: {}\n{} bodies, {} spheres, {:.4g} kg; escape speed of the pile {:.3g} m/s\n",
@@ -59,14 +58,16 @@ void check(const Options& options) {
         k, scene.stages[k].name, describe_models(physics, setup.bodies, !scene.planes.empty()), physics.k_n,
         physics.contact_time, physics.contacts.dt, kLongestSafeStep * physics.contact_time, physics.steps,
         scene.stages[k].duration);
+    if (k == 0)
+      for (const std::string& w : warnings(physics, setup.bodies)) fmt::print("  warning    {}\n", w);
   }
   constexpr double bytes_per_sphere = 900.0;  // spheres, bodies, and six contacts with their histories
   fmt::print(
-      "memory about {:.0f} MB; about {:.3g} min at the speed of the first steps ({:.2f} M sphere-steps/s; "
-      "dense "
-      "piles have more contacts than clouds)\n",
+      "memory about {:.0f} MB; about {:.3g} min at the speed of the first steps ({:.2f} M sphere-steps/s on "
+      "{} "
+      "threads; dense piles have more contacts than clouds)\n",
       1e-6 * bytes_per_sphere * static_cast<double>(spheres), steps * cost / 60.0,
-      1e-6 * static_cast<double>(spheres) / cost);
+      1e-6 * static_cast<double>(spheres) / cost, omp_get_max_threads());
 }
 
 }  // namespace
@@ -80,7 +81,10 @@ void add_check_command(CLI::App& app) {
       command->add_flag("--keys", options->keys, "print the reference of all scene keys instead");
   command->callback([=] {
     if (scene->empty() && keys->empty()) throw CLI::RequiredError("scene");
-    check(*options);
+    if (options->keys)
+      fmt::print("{}", scene_reference());
+    else
+      naming(options->scene.string(), [&] { check(*options); });
   });
 }
 

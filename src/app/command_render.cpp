@@ -8,6 +8,7 @@
 #include "app/render/draw.h"
 #include "app/render/film.h"
 #include "app/result_view.h"
+#include "app/summary.h"
 #include "core/error.h"
 #include "core/random.h"
 
@@ -23,7 +24,7 @@ struct Options {
   std::vector<std::filesystem::path> results;
   std::filesystem::path output;
   std::vector<std::string> at{"last"};
-  ColorBy color = ColorBy::shape;
+  std::string color = "shape";
   int width = 1200, height = 900;
   std::vector<double> direction{1.0, -1.4, 0.7};
   double region = 0.0;
@@ -52,6 +53,13 @@ Vec3 mean_velocity(const ResultView& view, const SnapshotView& snapshot) {
     mass += view.bodies().mass[b];
   }
   return momentum / mass;
+}
+
+ColorBy color_by(const std::string& name) {
+  return name == "shape"   ? ColorBy::shape
+         : name == "body"  ? ColorBy::body
+         : name == "speed" ? ColorBy::speed
+                           : ColorBy::contacts;
 }
 
 Coloring coloring(const ResultView& view, const std::vector<SnapshotView>& snapshots, ColorBy by) {
@@ -112,9 +120,8 @@ render::Annotation annotation(const ResultView& view, const SnapshotView& snapsh
                               const Coloring& coloring) {
   render::Annotation note;
   note.title = view.title();
-  std::string line = fmt::format("{}   t = {:.2f} h", snapshot.stage, snapshot.time / 3600.0);
-  if (snapshot.period > 0.0 && snapshot.period < 3.6e6)
-    line += fmt::format("   T = {:.2f} h", snapshot.period / 3600.0);
+  std::string line = fmt::format("{}   t = {}", snapshot.stage, duration_text(snapshot.time));
+  if (snapshot.period > 0.0 && snapshot.period < 3.6e6) line += "   T = " + duration_text(snapshot.period);
   note.lines = {line};
   if (coloring.by == ColorBy::shape) note.key = shape_key(view);
   if (coloring.by == ColorBy::speed) note.color_bar = render::ColorBar{"speed (m/s)", 0.0, coloring.high};
@@ -130,30 +137,40 @@ std::vector<SnapshotView> selected(const ResultView& view, const std::vector<std
   return out;
 }
 
-render::View camera(const Options& options, const std::vector<Ball>& balls) {
-  render::View view;
-  view.direction = {options.direction[0], options.direction[1], options.direction[2]};
-  view = render::frame(balls, view, {.fraction = 0.97, .margin = 0.12});
-  if (options.region > 0.0) view.width = view.height = options.region;
-  return view;
+/// The cameras of one file's pictures: each about its own pile, all with one region, so that sizes compare.
+std::vector<render::View> cameras(const Options& options, const ResultView& view,
+                                  const std::vector<SnapshotView>& snapshots, const Coloring& colors) {
+  render::View from;
+  from.direction = {options.direction[0], options.direction[1], options.direction[2]};
+  std::vector<render::View> out;
+  double width = 0.0, height = 0.0;
+  for (const SnapshotView& s : snapshots) {
+    out.push_back(render::frame(balls_of(view, s, colors), from, {.fraction = 0.97, .margin = 0.12}));
+    width = std::max(width, out.back().width);
+    height = std::max(height, out.back().height);
+  }
+  for (render::View& v : out) {
+    v.width = options.region > 0.0 ? options.region : width;
+    v.height = options.region > 0.0 ? options.region : height;
+  }
+  return out;
+}
+
+/// Draws the snapshots of one file and hands the pictures on, one after the other.
+template <class Take>
+void draw_snapshots(const Options& options, const ResultView& view,
+                    const std::vector<SnapshotView>& snapshots, const render::Style& style, Take&& take) {
+  const Coloring colors = coloring(view, snapshots, color_by(options.color));
+  const std::vector<render::View> views = cameras(options, view, snapshots, colors);
+  for (std::size_t k = 0; k < snapshots.size(); ++k)
+    take(render::draw(balls_of(view, snapshots[k], colors), views[k], annotation(view, snapshots[k], colors),
+                      options.width, options.height, style));
 }
 
 void draw_film(const Options& options, const ResultView& view, const render::Style& style) {
-  const std::vector<SnapshotView> snapshots = selected(view, {"all"});
-  const Coloring colors = coloring(view, snapshots, options.color);
-  // One region for all frames: the largest any of them needs, about its own pile.
-  double region = 0.0;
-  for (const SnapshotView& s : snapshots) {
-    const render::View v = camera(options, balls_of(view, s, colors));
-    region = std::max({region, v.width, v.height});
-  }
   render::Film film(options.output, options.width, options.height, options.fps);
-  for (const SnapshotView& s : snapshots) {
-    const std::vector<Ball> balls = balls_of(view, s, colors);
-    render::View v = camera(options, balls);
-    v.width = v.height = options.region > 0.0 ? options.region : region;
-    film.add(render::draw(balls, v, annotation(view, s, colors), options.width, options.height, style));
-  }
+  draw_snapshots(options, view, selected(view, {"all"}), style,
+                 [&](const render::Image& picture) { film.add(picture); });
   film.finish();
 }
 
@@ -162,18 +179,16 @@ void draw_picture(const Options& options, const std::vector<ResultView>& views, 
   std::size_t columns = 1;
   for (const ResultView& view : views) {
     const std::vector<SnapshotView> snapshots = selected(view, options.at);
-    const Coloring colors = coloring(view, snapshots, options.color);
     columns = std::max(columns, snapshots.size());
-    for (const SnapshotView& s : snapshots) {
-      const std::vector<Ball> balls = balls_of(view, s, colors);
-      panels.push_back(render::draw(balls, camera(options, balls), annotation(view, s, colors), options.width,
-                                    options.height, style));
-    }
+    draw_snapshots(options, view, snapshots, style,
+                   [&](render::Image picture) { panels.push_back(std::move(picture)); });
   }
   render::write_png(render::grid(panels, static_cast<int>(columns), 0, style.paper()), options.output);
 }
 
 void render_results(const Options& options) {
+  if (!(options.region >= 0.0 && options.region <= 1e15))
+    throw InputError("--region: expected a length up to 1e15 m, found {:g}", options.region);
   std::vector<ResultView> views;
   for (const auto& path : options.results) views.emplace_back(path);
   const auto ground = options.dark ? render::Background::dark : render::Background::white;
@@ -203,12 +218,9 @@ void add_render_command(CLI::App& app) {
                    "snapshots, one panel each: a number, first, last, failure, all, or a stage")
       ->delimiter(',')
       ->capture_default_str();
-  const std::map<std::string, ColorBy> colors{{"shape", ColorBy::shape},
-                                              {"body", ColorBy::body},
-                                              {"speed", ColorBy::speed},
-                                              {"contacts", ColorBy::contacts}};
-  command->add_option("--color", o->color, "shape, body, speed or contacts")
-      ->transform(CLI::CheckedTransformer(colors, CLI::ignore_case));
+  command->add_option("--color", o->color, "quantity shown as colour")
+      ->check(CLI::IsMember({"shape", "body", "speed", "contacts"}))
+      ->capture_default_str();
   command->add_option("--width", o->width, "pixels of a panel")
       ->check(CLI::Range(16, 16384))
       ->capture_default_str();
@@ -216,8 +228,7 @@ void add_render_command(CLI::App& app) {
       ->check(CLI::Range(16, 16384))
       ->capture_default_str();
   command->add_option("--from", o->direction, "x y z: from the pile towards the viewer")->expected(3);
-  command->add_option("--region", o->region, "width of what is seen (m); chosen to fit when absent")
-      ->check(CLI::PositiveNumber);
+  command->add_option("--region", o->region, "width of what is seen (m); chosen to fit when absent");
   command->add_option("--fps", o->fps, "frames per second of a film")
       ->check(CLI::Range(1.0, 120.0))
       ->capture_default_str();

@@ -1,5 +1,7 @@
 #include <fmt/core.h>
 
+#include <spdlog/spdlog.h>
+
 #include <CLI/CLI.hpp>
 
 #include "app/commands.h"
@@ -27,9 +29,15 @@ void start(const Options& options) {
                            .directory = std::filesystem::absolute(scene.directory).string(),
                            .version = CAIRN_VERSION,
                            .seed = scene.seed};
+  std::error_code none;
+  if (!scene.pile.empty() && std::filesystem::equivalent(scene.pile, output, none))
+    throw InputError("{}: the scene starts from this file; give the result another name", output.string());
   ResultFile results = ResultFile::create(output, attributes.table(), options.force);
-  Setup setup = assemble(scene);
-  Run run(std::move(scene), std::move(setup), std::move(results));
+  Run run = naming(options.scene.string(), [&] {
+    Setup setup = assemble(scene);
+    return Run(std::move(scene), std::move(setup), std::move(results));
+  });
+  for (const std::string& w : run.warnings()) spdlog::warn("{}", w);
   run_to_end(run);
   print_summary({output});
 }

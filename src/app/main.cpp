@@ -1,5 +1,6 @@
 // cairn: rubble piles of glued-sphere grains. Exit codes: 0 done, 2 bad input or unusable file, 3 the physics
 // left its bounds, 130 interrupted.
+#include <fmt/core.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -13,6 +14,9 @@ int main(int argc, char** argv) {
   CLI::App app{"Rubble piles of glued-sphere grains: contacts, self-gravity, spin-up.", "cairn"};
   app.set_version_flag("--version", CAIRN_VERSION);
   app.require_subcommand(1);
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return fmt::format("error: {} (see cairn --help)\n", error.what());
+  });
   cairn::add_shape_commands(app);
   cairn::add_check_command(app);
   cairn::add_run_commands(app);

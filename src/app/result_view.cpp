@@ -1,6 +1,7 @@
 #include "app/result_view.h"
 
 #include <charconv>
+#include <cmath>
 
 #include "core/error.h"
 #include "sim/fields.h"
@@ -41,7 +42,7 @@ double ResultView::control_start() const {
   const std::vector<double> time = series("time"), active = series("control_active");
   for (std::size_t k = 0; k < active.size(); ++k)
     if (active[k] > 0.0) return time[k];
-  return time.empty() ? 0.0 : time.front();
+  return std::nan("");
 }
 
 std::vector<std::size_t> ResultView::select(const std::string& which) const {

@@ -7,6 +7,7 @@
 #include <csignal>
 
 #include "app/summary.h"
+#include "core/parallel.h"
 #include "core/timer.h"
 
 namespace cairn {
@@ -94,6 +95,7 @@ class ProgressBar {
 
 void run_to_end(Run& run) {
   const SignalGuard guard;
+  use_threads_for(run.sphere_count());
   ProgressBar bar;
   const double start = wall_seconds();
   const std::uint64_t first = run.state().clock.total_steps;

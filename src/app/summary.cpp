@@ -14,8 +14,13 @@ namespace cairn {
 
 namespace {
 
-std::string hours(double seconds) {
-  return seconds > 0.0 && std::isfinite(seconds) ? fmt::format("{:.3f} h", seconds / 3600.0) : "none";
+std::string text(const char* format, double value) {
+  return std::isfinite(value) ? fmt::format(fmt::runtime(format), value) : "-";
+}
+
+/// A period; "none" when there is none.
+std::string period_text(double seconds) {
+  return seconds > 0.0 && std::isfinite(seconds) ? duration_text(seconds) : "none";
 }
 
 double last(const ResultView& view, const char* column) {
@@ -34,7 +39,7 @@ double largest(const ResultView& view, const char* column) {
 double value_at(const ResultView& view, const char* column, double t) {
   const std::vector<double> times = view.series("time"), values = view.series(column);
   const auto it = std::upper_bound(times.begin(), times.end(), t);
-  if (values.empty()) return std::nan("");
+  if (values.empty() || std::isnan(t)) return std::nan("");
   return values[static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, it - times.begin() - 1))];
 }
 
@@ -47,10 +52,10 @@ const std::vector<Row>& rows() {
   static const std::vector<Row> table{
       {"bodies", [](auto& v) { return fmt::format("{}", v.bodies().size()); }},
       {"spheres", [](auto& v) { return fmt::format("{}", v.bodies().spheres.size()); }},
-      {"simulated time", [](auto& v) { return hours(last(v, "time")); }},
+      {"simulated time", [](auto& v) { return duration_text(last(v, "time")); }},
       {"steps", [](auto& v) { return fmt::format("{}", v.total_steps()); }},
-      {"shortest period held", [](auto& v) { return hours(v.control().shortest_period); }},
-      {"failure at period", [](auto& v) { return hours(v.control().failure_period); }},
+      {"shortest period held", [](auto& v) { return period_text(v.control().shortest_period); }},
+      {"failure at period", [](auto& v) { return period_text(v.control().failure_period); }},
       {"c/a before failure",
        [](auto& v) {
          return v.control().start_ratio > 0.0 ? fmt::format("{:.3f}", v.control().start_ratio)
@@ -58,24 +63,31 @@ const std::vector<Row>& rows() {
        }},
       {"b/a, c/a at the end",
        [](auto& v) { return fmt::format("{:.3f}, {:.3f}", last(v, "b_over_a"), last(v, "c_over_a")); }},
-      {"period at the end", [](auto& v) { return hours(last(v, "period")); }},
+      {"period at the end", [](auto& v) { return period_text(last(v, "period")); }},
       {"coordination before spin-up",
-       [](auto& v) { return fmt::format("{:.2f}", value_at(v, "coordination", v.control_start())); }},
-      {"coordination at the end", [](auto& v) { return fmt::format("{:.2f}", last(v, "coordination")); }},
-      {"bodies shed", [](auto& v) { return fmt::format("{:.0f}", last(v, "shed_bodies")); }},
+       [](auto& v) { return text("{:.2f}", value_at(v, "coordination", v.control_start())); }},
+      {"coordination at the end", [](auto& v) { return text("{:.2f}", last(v, "coordination")); }},
+      {"bodies shed", [](auto& v) { return text("{:.0f}", last(v, "shed_bodies")); }},
       {"mass shed",
-       [](auto& v) { return fmt::format("{:.2f} %", 100.0 * (1.0 - last(v, "remnant_mass_fraction"))); }},
-      {"largest overlap",
-       [](auto& v) { return fmt::format("{:.2f} %", 100.0 * largest(v, "largest_overlap")); }},
-      {"drift of momentum", [](auto& v) { return fmt::format("{:.1e}", last(v, "momentum_drift")); }},
+       [](auto& v) { return text("{:.2f} %", 100.0 * (1.0 - last(v, "remnant_mass_fraction"))); }},
+      {"largest overlap", [](auto& v) { return text("{:.2f} %", 100.0 * largest(v, "largest_overlap")); }},
+      {"drift of momentum", [](auto& v) { return text("{:.1e}", last(v, "momentum_drift")); }},
       {"drift of angular momentum",
-       [](auto& v) { return fmt::format("{:.1e}", last(v, "angular_momentum_drift")); }},
+       [](auto& v) { return text("{:.1e}", last(v, "angular_momentum_drift")); }},
       {"outcome", [](auto& v) { return v.outcome(); }},
   };
   return table;
 }
 
 }  // namespace
+
+std::string duration_text(double seconds) {
+  const double size = std::abs(seconds);
+  if (size < 300.0) return fmt::format("{:.4g} s", seconds);
+  if (size < 3600.0) return fmt::format("{:.1f} min", seconds / 60.0);
+  if (size < 1e6) return fmt::format("{:.3f} h", seconds / 3600.0);
+  return fmt::format("{:.4g} d", seconds / 86400.0);
+}
 
 void print_summary(const std::vector<std::filesystem::path>& files) {
   std::vector<ResultView> views;

@@ -2,11 +2,15 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "sim/run.h"
 
 namespace cairn {
+
+/// A time in seconds, minutes, hours or days, whichever suits its size.
+std::string duration_text(double seconds);
 
 /// Prints one column per result file: what was reached, shed, conserved.
 /// @throws InputError for a file that is not a result file.

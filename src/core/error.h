@@ -23,4 +23,15 @@ class UnstableError : public std::runtime_error {
       : std::runtime_error(fmt::format(text, std::forward<Args>(args)...)) {}
 };
 
+/// Runs work; an InputError from it that does not begin with the name of the file gets it.
+template <class Work>
+auto naming(const std::string& file, Work&& work) {
+  try {
+    return work();
+  } catch (const InputError& error) {
+    const std::string what = error.what();
+    throw InputError("{}", what.starts_with(file) ? what : file + ": " + what);
+  }
+}
+
 }  // namespace cairn

@@ -11,6 +11,13 @@
 
 namespace cairn {
 
+/// Lets loops run on as many threads as the work pays for, at most what OMP_NUM_THREADS or the machine
+/// allows: one for each thousand spheres.
+inline void use_threads_for(std::size_t spheres) {
+  omp_set_num_threads(static_cast<int>(
+      std::clamp<std::size_t>(spheres / 1000, 1, static_cast<std::size_t>(omp_get_max_threads()))));
+}
+
 /// Calls body(begin, end) over [0, count) in blocks of `block`; blocks may run in any order and at once.
 /// The first exception thrown by a block is rethrown.
 template <class Body>

@@ -72,6 +72,11 @@ ResultFile ResultFile::create(const fs::path& path, const FieldTable& attributes
   ResultFile result;
   result.path_ = path;
   result.file_ = claim(path, overwrite);
+  if (result.file_.get() >= 0) try {
+      load(path, open_for_reading(path), false);
+    } catch (const InputError& error) {
+      throw InputError("{}; only a result file of this program is replaced", error.what());
+    }
   result.writable_ = true;
   result.overwrite_ = overwrite;
   result.new_attributes_ = encode(attributes);
@@ -162,6 +167,10 @@ void ResultFile::commit(const FieldTable& checkpoint) {
 
 void ResultFile::commit() {
   write(nullptr, finished_, outcome_);
+}
+
+void ResultFile::abandon(const std::string& outcome) {
+  write(nullptr, true, outcome);
 }
 
 void ResultFile::finish(const FieldTable& checkpoint, const std::string& outcome) {

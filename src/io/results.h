@@ -55,6 +55,8 @@ class ResultFile {
   void commit(const FieldTable& checkpoint);
   /// The same, but leaves checkpoint, finished and outcome as they are.
   void commit();
+  /// Ends a run that cannot go on: leaves the checkpoint as it is, sets finished and `outcome` (one line).
+  void abandon(const std::string& outcome);
   /// The last commit of a run: sets finished and `outcome` (one line). A later commit(checkpoint) unsets
   /// both.
   void finish(const FieldTable& checkpoint, const std::string& outcome);

@@ -46,7 +46,7 @@ std::vector<std::uint16_t> match(const std::vector<std::string>& names,
 
 Setup read_pile(const std::filesystem::path& path, const std::vector<Material>& materials) {
   const ResultFile file = ResultFile::open(path);
-  if (!file.finished())
+  if (file.outcome() != kFinished)
     throw InputError("{}: the run has not finished; a pile comes from a finished one", path.string());
   State state;
   ContactColumns contacts, walls;

@@ -35,6 +35,7 @@ constexpr Column kColumns[] = {
     {&O::kinetic, "kinetic_energy", "J", "of the bodies' mass centres"},
     {&O::rotational, "rotational_energy", "J", "of the bodies about their mass centres"},
     {&O::gravitational, "gravitational_energy", "J", "between spheres of different bodies"},
+    {&O::field, "field_energy", "J", "in the uniform field, 0 at the origin"},
     {&O::elastic, "elastic_energy", "J", "in the springs of the contacts, less the work of cohesion"},
     {&O::dissipated, "dissipated_work", "J", "lost in contacts since the start"},
     {&O::control_work, "control_work", "J", "done by spin control since the start"},
@@ -126,6 +127,8 @@ Observation observe(const Physics& physics, State& state, Scratch& scratch, doub
   o.gravitational = gravitational_energy(physics, bodies, scratch);
   o.elastic = stored_energy(bodies, physics.contacts, state.contacts) +
               state.walls.stored_energy(bodies, physics.contacts);
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    o.field -= bodies.mass[b] * physics.field.dot(bodies.position[b]);
   o.dissipated = ledger.dissipated;
   o.control_work = ledger.control_work;
   const Vec3& p = total.momentum;

@@ -150,12 +150,34 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   p.spin = stage.spin;
   if (stage.spin && stage.spin->control_interval > 0.0)
     p.control_steps = whole_steps(stage.spin->control_interval, dt);
-  const double series =
+  p.series_interval =
       scene.output.series_interval > 0.0 ? scene.output.series_interval : 1e-3 * stage.duration;
-  p.series_steps = whole_steps(series, dt);
-  if (scene.output.snapshot_interval > 0.0)
-    p.snapshot_steps = whole_steps(scene.output.snapshot_interval, dt);
+  p.snapshot_interval = scene.output.snapshot_interval;
   return p;
+}
+
+std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies) {
+  std::vector<std::string> out;
+  const auto& radii = bodies.spheres.radius;
+  const double speed = closing_speed(bodies), smallest = *std::min_element(radii.begin(), radii.end());
+  const double dt = physics.contacts.dt;
+  double spin = 0.0;
+  for (std::size_t b = 0; b < bodies.size(); ++b) spin = std::max(spin, angular_velocity(bodies, b).norm());
+  const double overlap = speed * physics.contact_time / kPi / smallest;
+  if (overlap > physics.overlap_limit)
+    out.push_back(
+        fmt::format("bodies that meet at {:.3g} m/s would overlap by about {:.2g} of the smallest "
+                    "radius; overlap_limit is {:g}: raise impact_speed or stiffness",
+                    speed, overlap, physics.overlap_limit));
+  if (speed * dt > 0.5 * smallest)
+    out.push_back(
+        fmt::format("bodies move by {:.3g} of the smallest radius in a step and may pass through each "
+                    "other unseen",
+                    speed * dt / smallest));
+  if (spin * dt > 0.3)
+    out.push_back(
+        fmt::format("a body turns by {:.2g} rad in a step; its motion will not be accurate", spin * dt));
+  return out;
 }
 
 std::vector<Plane> make_planes(const Scene& scene) {

@@ -24,9 +24,9 @@ struct Physics {
   std::uint64_t gravity_interval = 1;  ///< steps
   Vec3 field = Vec3::Zero();           ///< m/s^2
   std::optional<SpinSpec> spin;
-  std::uint64_t control_steps = 1;   ///< steps between spin corrections
-  std::uint64_t series_steps = 1;    ///< steps between rows of the series, and between checks for failure
-  std::uint64_t snapshot_steps = 0;  ///< 0: only at the end of the stage
+  std::uint64_t control_steps = 1;  ///< steps between spin corrections
+  double series_interval = 0.0;     ///< s, between rows of the series, and between checks for failure
+  double snapshot_interval = 0.0;   ///< s; 0: only at the end of the stage
 };
 
 /// Normal stiffness (N/m) of stage `index`: given by the scene, or chosen for the bodies as they are now.
@@ -36,6 +36,10 @@ double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bo
 /// Resolves stage `index` of the scene for these bodies at stiffness k_n; does not depend on their motion.
 /// @throws InputError when the time step is longer than the longest safe one.
 Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bodies, double k_n);
+
+/// What looks wrong about the bodies' motion at the start of a stage: blows deeper than the overlap limit,
+/// bodies that could pass through each other or turn too far in one step.
+std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies);
 
 /// The planes of the scene; the material of each is its own number in Physics::plane_materials.
 std::vector<Plane> make_planes(const Scene& scene);

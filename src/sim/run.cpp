@@ -1,6 +1,7 @@
 #include "sim/run.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "analysis/budget.h"
 #include "core/error.h"
@@ -13,6 +14,13 @@ namespace cairn {
 namespace {
 
 constexpr double kWatchInterval = 0.2;  // s of wall-clock time
+
+/// Whether the step just done is the one nearest to a multiple of the interval (s; 0: never).
+bool due(const Clock& clock, double interval) {
+  if (interval == 0.0) return false;
+  const double step = static_cast<double>(clock.step), steps = clock.dt / interval;
+  return std::floor((step + 0.5) * steps) > std::floor((step - 0.5) * steps);
+}
 
 /// What a damaged or edited file could get wrong.
 void check_checkpoint(const std::filesystem::path& path, const Scene& scene, const State& state) {
@@ -60,6 +68,11 @@ Run::Run(Scene scene, Setup setup, ResultFile results) : Run(std::move(scene), s
   results_.declare_series(series_columns());
 }
 
+std::vector<std::string> Run::warnings() const {
+  const double k_n = resolve_stiffness(scene_, 0, state_.bodies);
+  return cairn::warnings(resolve_physics(scene_, 0, state_.bodies, k_n), state_.bodies);
+}
+
 void Run::prepare_bodies() {
   state_.walls.planes = make_planes(scene_);
   state_.walls.resize(sphere_count());
@@ -70,7 +83,11 @@ void Run::prepare_bodies() {
 
 Run Run::resume(const std::filesystem::path& path) {
   ResultFile results = ResultFile::open_to_continue(path);
-  if (results.finished()) throw InputError("{}: the run has finished; nothing to resume", path.string());
+  if (results.finished() && results.outcome() == kFinished)
+    throw InputError("{}: the run has finished; nothing to resume", path.string());
+  if (results.finished())
+    throw InputError("{}: the run cannot go on, change the scene and run it anew: {}", path.string(),
+                     results.outcome());
   RunAttributes attributes;
   results.read_attributes(attributes.table());
   Run run(parse_scene(attributes.scene, path.string(), attributes.directory), std::move(results));
@@ -150,7 +167,7 @@ void Run::commit(bool last) {
   walls.assign(state_.walls.records());
   const FieldTable table = checkpoint_fields(state_, contacts, walls);
   if (last)
-    results_.finish(table, "finished");
+    results_.finish(table, kFinished);
   else
     results_.commit(table);
   write_xdmf(results_);
@@ -169,10 +186,12 @@ RunEnd Run::advance(const std::function<bool(const Run&)>& watch) {
       while (!over) {
         step(physics_, state_, scratch_);
         const bool end = clock.step == clock.steps;
-        if (end || clock.step % physics_.series_steps == 0) look();
+        const bool picture = end || due(clock, physics_.snapshot_interval);
+        const bool row = picture || due(clock, physics_.series_interval);
+        if (row) look();
         over = end || failed_long_ago();
-        if (over || (physics_.snapshot_steps > 0 && clock.step % physics_.snapshot_steps == 0))
-          add_snapshot();
+        if (over && !row) look();
+        if (over || picture) add_snapshot();
         const double now = wall_seconds();
         if (now - last_watch < kWatchInterval) continue;
         last_watch = now;
@@ -197,8 +216,8 @@ RunEnd Run::advance(const std::function<bool(const Run&)>& watch) {
       commit(last);
       if (last) return RunEnd::finished;
     }
-  } catch (const UnstableError&) {
-    results_.commit();  // what was measured until now stays; the checkpoint is the last good one
+  } catch (const UnstableError& error) {
+    results_.abandon(error.what());  // what was measured until now stays; the checkpoint is the last good one
     throw;
   }
 }

@@ -26,6 +26,9 @@ class Run {
   /// @throws UnstableError when the physics leaves its bounds; the result file keeps everything until then.
   RunEnd advance(const std::function<bool(const Run&)>& watch);
 
+  /// What looks wrong about the bodies' motion at the start.
+  std::vector<std::string> warnings() const;
+
   const Scene& scene() const { return scene_; }
   const State& state() const { return state_; }
   const Physics& physics() const { return physics_; }

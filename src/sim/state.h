@@ -11,6 +11,9 @@
 
 namespace cairn {
 
+/// Outcome of a run that came to its end.
+inline constexpr const char* kFinished = "finished";
+
 /// Where the run is. Time is counted in whole steps from the start of the stage, so it does not drift.
 struct Clock {
   std::uint64_t stage = 0;

@@ -46,7 +46,7 @@ std::vector<Ball> nearest_fraction(const std::vector<Ball>& balls, double fracti
   std::vector<Ball> kept;
   double sum = 0.0;
   for (const std::size_t i : order) {
-    if (!kept.empty() && sum + weight[i] > wanted) break;
+    if (sum >= wanted) break;
     kept.push_back(balls[i]);
     sum += weight[i];
   }

@@ -117,6 +117,10 @@ CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const Contact
   if constexpr (!F.tangential) return action;
 
   const T limit_s = law.friction * max(press, zero);
+  // Limits in mid-step over those at its end: the ledger takes the work of the sliders there.
+  const T press_mid = fma(law.k_n, fma(T(0.5) * dt, u_n_mid, geometry.overlap), -(memory.c_n * u_n_mid));
+  const auto pressed = press > zero;
+  const T earlier = min(max(press_mid, zero) / select(pressed, press, T(1.0)), T(4.0));
   // Rotation of the springs over half a step: sin(phi)/phi and (1 - cos(phi))/phi^2 as series.
   const Triple<T> phi = (T(0.5) * dt) * motion.turn;
   const T phi2 = dot(phi, phi);
@@ -135,13 +139,16 @@ CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const Contact
                          const Triple<T>& rate_mid) __attribute__((always_inline)) {
     const T before = dot(spring, spring);
     const T keep = cut(limit, stiffness * stiffness * before);
+    // The slider loses (F_old + F_new) / 2 times its slip, the spring's work by the trapezoidal rule.
+    const T slip = (T(1.0) - keep) * fma(T(1.0) + keep, before, -(dt * dot(spring, rate_mid)));
     spring = keep * spring;
     const Triple<T> elastic = stiffness * spring;
     const Triple<T> sum = fma(damping, rate, elastic);
-    const Triple<T> drag = cut(limit, dot(sum, sum)) * sum;
-    action.dissipated +=
-        fma(dot(drag - elastic, rate_mid), dt, T(0.5) * stiffness * before * fma(-keep, keep, T(1.0)));
-    return drag;
+    const T share = cut(limit, dot(sum, sum));
+    const Triple<T> drag_mid =
+        select(share < T(1.0), share * earlier, share) * fma(damping, rate_mid, elastic);
+    action.dissipated += fma(dot(drag_mid - elastic, rate_mid), dt, T(0.5) * stiffness * slip);
+    return share * sum;
   };
 
   const Triple<T> u_t = fma(-u_n, n, motion.u);
@@ -171,9 +178,10 @@ CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const Contact
       const T before = fma(dt, w_n_mid, memory.twist);
       memory.twist = cut(limit_t, stiffness * stiffness * before * before) * before;
       const T elastic = stiffness * memory.twist;
-      const T couple = max(-limit_t, min(limit_t, fma(damping, w_n, elastic)));
-      action.dissipated += fma((couple - elastic) * w_n_mid, dt,
-                               T(0.5) * stiffness * (before * before - memory.twist * memory.twist));
+      const auto held = [&](T sum) { return max(-limit_t, min(limit_t, sum)); };
+      const T couple = held(fma(damping, w_n, elastic)), couple_mid = held(fma(damping, w_n_mid, elastic));
+      const T slip = (before - memory.twist) * (before + memory.twist - dt * w_n_mid);
+      action.dissipated += fma((couple_mid - elastic) * w_n_mid, dt, T(0.5) * stiffness * slip);
       action.couple = fma(couple, n, action.couple);
     }
   }
