@@ -43,6 +43,12 @@ TEST(Fragments, LinkThroughAnySphereOfABody) {
   EXPECT_EQ(find_fragments(bodies, 0.04).label, (Labels{1, 0, 2}));
 }
 
+TEST(Fragments, OfOneMassAreOrderedByTheirSmallestBody) {
+  Bodies bodies;
+  for (const double x : {0.0, 50.0, 52.1, 2.1}) add_sphere(bodies, Vec3(x, 0.0, 0.0), 1.0, 1.0);
+  EXPECT_EQ(find_fragments(bodies, 0.2).label, (Labels{0, 1, 1, 0}));
+}
+
 TEST(Fragments, NoBodies) {
   EXPECT_EQ(find_fragments(Bodies{}, 0.1).size(), 0u);
 }

@@ -90,6 +90,19 @@ TEST(SpinState, WobbleIsTheAngleToTheShortestAxis) {
   EXPECT_EQ(wobble(state), 0.0);
 }
 
+// Any axis across a line of bodies is one of largest inertia, also when round-off tells two of them apart.
+TEST(SpinState, RotationAcrossALineDoesNotWobble) {
+  Random random(4, 0);
+  for (int k = 0; k < 20; ++k) {
+    const Mat3 axes = random.rotation().toRotationMatrix();
+    SpinState state;
+    state.inertia = axes * Vec3(1.0, 2.0, 2.0).asDiagonal() * axes.transpose();
+    const double angle = random.uniform(0.0, kPi);
+    state.angular_momentum = axes * Vec3(0.0, std::cos(angle), std::sin(angle));
+    EXPECT_LT(wobble(state), 1e-9);
+  }
+}
+
 TEST(SpinState, SingleBody) {
   Bodies bodies;
   const Vec3 w(0.1, 0.2, -0.3);

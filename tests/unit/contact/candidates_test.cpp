@@ -123,6 +123,55 @@ TEST(Candidates, HoldEveryTouchingPairUntilTheyExpire) {
   EXPECT_GT(touching, 50u);
 }
 
+TEST(Candidates, KeepTouchingPairsThatHaveFlownApart) {
+  Bodies bodies;
+  const RigidShape ball = make_rigid(load_shape("sphere", "."), MassModel::union_volume);
+  for (const double x : {0.0, 1.9, 3.8}) add_body(bodies, ball, 0, 1.0, 1.0, 0, {.position = {x, 0.0, 0.0}});
+  Candidates candidates;
+  ContactList contacts;
+  candidates.rebuild(bodies, {}, kWhole, contacts);
+  ASSERT_EQ(contacts.slots(), 2u);
+  ContactMemory<double> memory{};
+  memory.twist = 0.25;
+  contacts.set_memory(0, memory);
+  contacts.set_memory(1, memory);
+  bodies.position[0].x() = -50.0;
+  place_spheres(bodies);
+  candidates.rebuild(bodies, {}, kWhole, contacts);
+  ASSERT_EQ(contacts.records().size(), 2u);  // each once
+  EXPECT_EQ(contacts.slots(), 2u);
+  EXPECT_EQ(contacts.memory(0).twist, 0.25);
+  contacts.release(0);
+  candidates.rebuild(bodies, {}, kWhole, contacts);
+  EXPECT_EQ(contacts.slots(), 1u);
+}
+
+TEST(Candidates, SkinGrowsWhenListsAreShortLivedAndShrinksWhenTheyLast) {
+  Bodies bodies;
+  const RigidShape ball = make_rigid(load_shape("sphere", "."), MassModel::union_volume);
+  for (const double x : {0.0, 100.0})
+    add_body(bodies, ball, 0, 1.0 + 0.01 * x, 1.0, 0, {.position = {x, 0.0, 0.0}});
+  ContactList contacts;
+  // Largest displacement (m) that a list made with this history outlives: half the skin.
+  const auto half_skin = [&](std::uint64_t age, int times) {
+    Candidates candidates;
+    bodies.position[1].x() = 100.0;
+    place_spheres(bodies);
+    candidates.rebuild(bodies, {}, kNormal, contacts);
+    for (int k = 0; k < times; ++k) candidates.adapt_skin(age);
+    candidates.rebuild(bodies, {}, kNormal, contacts);
+    for (double moved = 0.0;; moved += 0.005) {
+      bodies.spheres.position[1].x() = 100.0 + moved;
+      if (candidates.expired(bodies, 0.0)) return moved;
+    }
+  };
+  EXPECT_NEAR(half_skin(100, 3), 0.05, 0.006);
+  EXPECT_NEAR(half_skin(5, 1), 0.075, 0.006);
+  EXPECT_NEAR(half_skin(5, 20), 0.5, 0.006);  // at most the smallest radius
+  EXPECT_NEAR(half_skin(5000, 1), 0.035, 0.006);
+  EXPECT_NEAR(half_skin(5000, 20), 0.01, 0.006);  // at least a fiftieth of it
+}
+
 TEST(Candidates, PositionThatIsNotFiniteExpires) {
   TurningPile pile;
   Candidates candidates;

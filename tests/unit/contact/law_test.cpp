@@ -311,6 +311,61 @@ TEST(Law, WorkLedgerClosesAsTheStepShrinks) {
   }
 }
 
+/// Power that a contact takes from the motion of its partners, per step of length dt, against what it stores
+/// and what it says it loses; the error over the work.
+double unaccounted_work(Vec3 (*velocity)(double), Vec3 (*spin)(double), double dt) {
+  const PairLaw law = rough_law();
+  State s = resting(1e-3);
+  s.memory.c_n = 400.0;
+  s.memory.c_s = 200.0;
+  s.motion.dt = dt;
+  const LawConstants<double> constants(law);
+  const double start = stored_energy<kWhole>(constants, 1e-3, 0.5, s.memory);
+  double work = 0.0, lost = 0.0;
+  for (double t = 0.5 * dt; t < 1.0; t += dt) {
+    s.motion.u = s.motion.u_mid = triple(velocity(t));
+    s.motion.w = s.motion.w_mid = triple(spin(t));
+    const ContactAction<double> a = act<kWhole>(law, s);
+    work += dt * (dot(a.force, s.motion.u) + dot(a.couple, s.motion.w));
+    lost += a.dissipated;
+  }
+  EXPECT_GT(lost, 0.2 * work);
+  return std::abs(work - lost - stored_energy<kWhole>(constants, 1e-3, 0.5, s.memory) + start) / work;
+}
+
+/// Back and forth and around, within the limits of the springs and beyond.
+TEST(Law, WorkLedgerClosesForSlidingRollingAndTwisting) {
+  const auto none = [](double) -> Vec3 { return Vec3::Zero(); };
+  const auto around = [](double t) -> Vec3 {
+    return {0.03 * std::cos(9.0 * t), 0.02 * std::sin(7.0 * t), 0.0};
+  };
+  const auto roll = [](double t) -> Vec3 { return {0.1 * std::cos(9.0 * t), 0.1 * std::sin(7.0 * t), 0.0}; };
+  const auto twist = [](double t) -> Vec3 { return {0.0, 0.0, 0.1 * std::cos(9.0 * t)}; };
+  EXPECT_LT(unaccounted_work(around, none, 1e-5), 1e-3);
+  EXPECT_LT(unaccounted_work(none, roll, 1e-5), 1e-3);
+  EXPECT_LT(unaccounted_work(none, twist, 1e-5), 1e-3);
+}
+
+TEST(Law, DashpotsResistTheMotionAtTheEndOfTheStep) {
+  const Material sticky{.name = "sticky", .friction = 1e6};
+  const PairLaw law = make_pair_law(sticky, sticky, kStiffness);
+  State s = resting(1e-2);
+  s.memory.c_n = 500.0;
+  s.memory.c_s = 300.0;
+  s.motion.u = {0.03, 0.0, 0.2};  // parts and slides
+  s.motion.w = {0.05, -0.04, 0.07};
+  s.geometry.slip_lever = 0.4;
+  const double patch2 = std::pow(0.5 * 0.5, 2);
+  State with_slip = s;
+  const ContactAction<double> a = act<kWhole>(law, s), slip = act<kWholeSlip>(law, with_slip);
+  const double press = kStiffness * 1e-2 - 500.0 * 0.2;
+  EXPECT_LT((vector(a.force) - Vec3(300.0 * 0.03, 0.0, -press)).norm(), 1e-12 * press);
+  const Vec3 couple(500.0 * patch2 * 0.05, -500.0 * patch2 * 0.04, 2.0 * 300.0 * patch2 * 0.07);
+  EXPECT_LT((vector(a.couple) - couple).norm(), 1e-14);
+  // Zhang et al. 2017, eq. 8: the rolling velocity gains (l_j - l_i) / (2 l_i l_j) n x u_t.
+  EXPECT_LT((vector(slip.couple) - couple - 500.0 * patch2 * 0.4 * 0.03 * Vec3::UnitY()).norm(), 1e-14);
+}
+
 TEST(Mix, TakesGeometricMeansAndTheMeanShapeFactor) {
   const Material a{.name = "a", .friction = 0.5, .shape_factor = 0.2, .cohesion = 100.0},
       b{.name = "b", .friction = 2.0, .shape_factor = 0.6, .cohesion = 4.0};
@@ -323,6 +378,40 @@ TEST(Mix, TakesGeometricMeansAndTheMeanShapeFactor) {
   EXPECT_EQ(one.friction, other.friction);
   EXPECT_EQ(one.cohesion, other.cohesion);
   EXPECT_EQ(one.k_s, 2.0 / 7.0 * kStiffness);
+}
+
+TEST(Mix, EveryPropertyHasItsOwnMean) {
+  const Material a{.name = "a",
+                   .restitution_normal = 0.9,
+                   .restitution_tangential = 0.2,
+                   .friction_rolling = 0.5,
+                   .friction_twisting = 0.1},
+      b{.name = "b",
+        .restitution_normal = 0.4,
+        .restitution_tangential = 0.8,
+        .friction_rolling = 2.0,
+        .friction_twisting = 0.9};
+  const Material m = mix(a, b);
+  EXPECT_DOUBLE_EQ(m.restitution_normal, 0.6);
+  EXPECT_DOUBLE_EQ(m.restitution_tangential, 0.4);
+  EXPECT_DOUBLE_EQ(m.friction_rolling, 1.0);
+  EXPECT_DOUBLE_EQ(m.friction_twisting, 0.3);
+  const PairLaw law = make_pair_law(a, b, kStiffness);
+  EXPECT_DOUBLE_EQ(law.damping_n, damping_ratio(0.6));
+  EXPECT_DOUBLE_EQ(law.damping_s, damping_ratio(0.4));
+}
+
+TEST(RequiredFeatures, AreThoseThatSomePairNeeds) {
+  const Material smooth{.name = "s", .friction = 0.0, .friction_rolling = 0.0, .friction_twisting = 0.0};
+  Material sliding = smooth, glued = smooth, nominal{.name = "n"};
+  sliding.friction = 0.5;
+  glued.cohesion = 1.0;
+  EXPECT_EQ(required_features({smooth}, true), kNormal);
+  EXPECT_EQ(required_features({sliding}, true), kFriction);
+  EXPECT_EQ(required_features({glued, smooth}, false), kNormalCohesion);
+  EXPECT_EQ(required_features({glued, sliding}, false), kFrictionCohesion);
+  EXPECT_EQ(required_features({smooth, nominal}, false), kWhole);
+  EXPECT_EQ(required_features({nominal}, true), kWholeSlip);
 }
 
 }  // namespace

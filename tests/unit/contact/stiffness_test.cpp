@@ -81,6 +81,21 @@ TEST(ShortestContact, OfLooseSpheresIsHalfAPeriodOfTheirReducedMass) {
               1.0, 1e-3);
 }
 
+// A ball of a tenth of unit inertia has 1 + 1 / 0.1 times the mobility of its mass in the plane.
+TEST(ShortestContact, OfABodyThatTurnsEasilyIsTangential) {
+  const RigidShape light{.name = "light",
+                         .volume = 1.0,
+                         .inertia = {0.1, 0.1, 0.1},
+                         .offsets = {Vec3::Zero()},
+                         .radii = {1.0},
+                         .mass_fractions = {1.0}};
+  Bodies bodies;
+  add_body(bodies, light, 0, 1.0, 1000.0, 0, {});
+  EXPECT_NEAR(shortest_contact_time(bodies, kStiffness, 0.5, false, false) /
+                  (kPi / std::sqrt(2.0 * 2.0 / 7.0 * kStiffness * 11.0 / 1000.0)),
+              1.0, 1e-12);
+}
+
 TEST(ShortestContact, ScalesWithStiffnessAndMass) {
   const Bodies bodies = collection({"rod4"}, {1.0}), large = collection({"rod4"}, {2.0});
   const double t = shortest_contact_time(bodies, kStiffness, 0.5, true, true);
@@ -143,6 +158,24 @@ TEST(Stiffness, KeepsABlowUnderTheOverlapAskedFor) {
   EXPECT_GE(overlap, 0.005);
   EXPECT_EQ(choose_stiffness(bodies, {}), 0.0);
   EXPECT_DOUBLE_EQ(choose_stiffness(bodies, {.max_overlap = 0.01, .impact_speed = 2.0 * speed}), 4.0 * k);
+}
+
+TEST(Stiffness, BearsCohesionPressureAndColumns) {
+  const Bodies bodies = collection({"sphere"}, std::vector<double>(1000, 2.0));
+  const double mass = bodies.mass[0], aim = 0.02;
+  EXPECT_NEAR(choose_stiffness(bodies, {.max_overlap = 0.01, .cohesion = 300.0, .shape_factor = 0.4}) * aim,
+              300.0 * std::pow(0.4 * 2.0, 2), 1e-9);
+  // Ten bodies above each other, eight times the mean load.
+  EXPECT_NEAR(
+      choose_stiffness(bodies, {.max_overlap = 0.01, .field = 1e-3}) * aim / (8.0 * 1e-3 * mass * 10.0), 1.0,
+      1e-12);
+  // Pressure at the centre of a ball of the pile's mass: 3 G M^2 / (8 pi R^4).
+  const double radius = 2.0 * std::cbrt(1000.0 / 0.6);
+  const double pressure =
+      3.0 * kGravitationalConstant * std::pow(1000.0 * mass, 2) / (8.0 * kPi * std::pow(radius, 4));
+  EXPECT_NEAR(choose_stiffness(bodies, {.max_overlap = 0.01, .self_gravity = true}) * aim /
+                  (8.0 * pressure * kPi * 4.0),
+              1.0, 1e-9);
 }
 
 TEST(Stiffness, EscapeSpeedIsThatOfTheBallTheBodiesWouldMake) {

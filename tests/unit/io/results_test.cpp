@@ -228,6 +228,21 @@ TEST_F(Results, ContinuesWhereItStopped) {
   EXPECT_EQ(checkpoint, x);
 }
 
+TEST_F(Results, EachCommitWritesWhatIsNewAndOnlyOnce) {
+  std::vector<double> x{1.0};
+  ResultFile file = ResultFile::create(path, {}, false);
+  file.declare_series({{"time", "s", "time"}});
+  for (double t = 0.0; t < 4.0; ++t) {
+    file.add_series_row(std::vector{t});
+    file.add_snapshot(t, "s", {{"x", "m", "", &x}});
+    file.commit({{"x", "", "", &x}});
+  }
+  file.commit({{"x", "", "", &x}});
+  EXPECT_EQ(file.read_series("time"), (std::vector{0.0, 1.0, 2.0, 3.0}));
+  EXPECT_EQ(file.snapshots().size(), 4u);
+  EXPECT_EQ(ResultFile::open(path).snapshots().size(), 4u);
+}
+
 TEST_F(Results, AddingWithoutACheckpointKeepsTheOldOne) {
   std::vector<double> x{1.0}, y{2.0}, found;
   {
@@ -271,14 +286,19 @@ TEST_F(Results, RefusesUnusablePaths) {
 
 TEST_F(Results, OverwritesOnlyWithTheFirstCommit) {
   spill(path, "precious");
+  EXPECT_MESSAGE(ResultFile::create(path, {}, true), "only a result file");
+  EXPECT_EQ(slurp(path), "precious");
+  fs::remove(path);
+  ResultFile::create(path, {}, false).finish({}, "first");
+  const std::string first = slurp(path);
   {
     const ResultFile file = ResultFile::create(path, {}, true);
     EXPECT_EQ(files_in_folder(), 1u);
   }
-  EXPECT_EQ(slurp(path), "precious");
+  EXPECT_EQ(slurp(path), first);
   ResultFile file = ResultFile::create(path, {}, true);
   file.commit({});
-  EXPECT_EQ(ResultFile::open(path).snapshots().size(), 0u);
+  EXPECT_FALSE(ResultFile::open(path).finished());
 }
 
 TEST_F(Results, DoesNotReplaceWhatAppearedMeanwhile) {

@@ -198,6 +198,7 @@ TEST(SceneErrors, Stages) {
        {"[contact]\noverlap_limit = 0.001",
         "s.toml:8:17: key 'contact.overlap_limit': expected max_overlap <= overlap_limit, found 0.01 and "
         "0.001"}});
+  EXPECT_EQ(error_of(kGood + "[contact]\nmax_overlap = 0.05\noverlap_limit = 0.05"), "no error");
 }
 
 TEST(SceneErrors, HostileTexts) {

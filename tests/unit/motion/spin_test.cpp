@@ -11,6 +11,7 @@ namespace {
 TEST(SpinPath, IsLinearBetweenPointsAndConstantOutside) {
   const std::vector<SpinPoint> path{{100.0, 18000.0}, {200.0, 10000.0}, {300.0, 10000.0}, {500.0, 8000.0}};
   EXPECT_EQ(period_at(path, 0.0), 18000.0);
+  EXPECT_EQ(period_at(path, 50.0), 18000.0);
   EXPECT_EQ(period_at(path, 100.0), 18000.0);
   EXPECT_DOUBLE_EQ(period_at(path, 125.0), 16000.0);
   EXPECT_EQ(period_at(path, 200.0), 10000.0);

@@ -82,6 +82,16 @@ TEST(Cloud, SpheresOfDifferentBodiesDoNotOverlapAndFillTheBall) {
   EXPECT_GE(reach, 0.95 * ball);
 }
 
+TEST(Cloud, OfEqualSpheresHasNoTwoThatOverlap) {
+  CloudSpec cloud = mixture();
+  cloud.shapes = {{"sphere", 1.0}};
+  cloud.distribution = SizeDistribution::single;
+  const Bodies bodies = make(cloud, 1);
+  for (std::size_t a = 0; a < bodies.size(); ++a)
+    for (std::size_t b = a + 1; b < bodies.size(); ++b)
+      ASSERT_GE((bodies.position[a] - bodies.position[b]).norm(), 2.0) << a << ' ' << b;
+}
+
 TEST(Cloud, SizesFollowThePowerLaw) {
   CloudSpec cloud = mixture();
   for (const double exponent : {3.0, 1.0}) {

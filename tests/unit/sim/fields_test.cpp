@@ -1,0 +1,131 @@
+#include "sim/fields.h"
+
+#include <gtest/gtest.h>
+
+#include "folder.h"
+#include "shape/library.h"
+
+namespace cairn {
+namespace {
+
+/// A state in which no two numbers are the same.
+State state_of_many_numbers() {
+  State s;
+  const RigidShape shape = make_rigid(load_shape("dumbbell", "."), MassModel::union_volume);
+  double last = 0.0;
+  const auto number = [&] { return last += 1.0; };
+  const auto vector = [&] { return Vec3(number(), number(), number()); };
+  for (int b = 0; b < 3; ++b)
+    add_body(s.bodies, shape, 0, number(), number(), 0,
+             {.position = vector(),
+              .orientation = Quat(number(), number(), number(), number()).normalized(),
+              .velocity = vector(),
+              .angular_velocity = vector()});
+  for (int b = 0; b < 3; ++b) {
+    s.bodies.force[b] = vector();
+    s.bodies.torque[b] = vector();
+    s.gravity.force.push_back(vector());
+    s.gravity.torque.push_back(vector());
+  }
+  s.gravity.time = number();
+  s.gravity.omega = vector();
+  s.remnant = {1, 0, 1};
+  s.clock = {2, 30, 40, 500, number(), number()};
+  s.control = {true, true, number(), number(), number(), number()};
+  s.ledger = {number(), number(), vector(), number(), number(), vector(), vector()};
+  s.k_n = number();
+  return s;
+}
+
+std::vector<ContactRecord> two_contacts(double base) {
+  return {{0, 2, {base, 2.0, {3.0, 4.0, 5.0}, {6.0, 7.0, 8.0}, 9.0}},
+          {1, 3, {base + 1.0, 12.0, {13.0, 14.0, 15.0}, {16.0, 17.0, 18.0}, 19.0}}};
+}
+
+void expect_same(const std::vector<ContactRecord>& a, const std::vector<ContactRecord>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  const auto numbers = [](const ContactMemory<double>& m) {
+    return std::vector{m.c_n, m.c_s, m.slide.x, m.slide.y, m.slide.z, m.roll.x, m.roll.y, m.roll.z, m.twist};
+  };
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    EXPECT_EQ(a[k].i, b[k].i);
+    EXPECT_EQ(a[k].j, b[k].j);
+    EXPECT_EQ(numbers(a[k].memory), numbers(b[k].memory));
+  }
+}
+
+TEST(Checkpoint, HoldsTheWholeState) {
+  const Folder folder;
+  State s = state_of_many_numbers();
+  ContactColumns contacts, walls;
+  contacts.assign(two_contacts(1.0));
+  walls.assign(two_contacts(100.0));
+  ResultFile file = ResultFile::create(folder / "state.h5", {}, false);
+  file.commit(checkpoint_fields(s, contacts, walls));
+
+  State r;
+  ContactColumns contacts_read, walls_read;
+  file.read_checkpoint(checkpoint_fields(r, contacts_read, walls_read));
+  expect_same(contacts_read.records(), two_contacts(1.0));
+  expect_same(walls_read.records(), two_contacts(100.0));
+  EXPECT_EQ(r.bodies.position, s.bodies.position);
+  EXPECT_EQ(r.bodies.velocity, s.bodies.velocity);
+  EXPECT_EQ(r.bodies.spin, s.bodies.spin);
+  EXPECT_EQ(r.bodies.force, s.bodies.force);
+  EXPECT_EQ(r.bodies.torque, s.bodies.torque);
+  ASSERT_EQ(r.bodies.orientation.size(), 3u);
+  for (std::size_t b = 0; b < 3; ++b)
+    EXPECT_EQ(r.bodies.orientation[b].coeffs(), s.bodies.orientation[b].coeffs());
+  EXPECT_EQ(r.remnant, s.remnant);
+  EXPECT_EQ(r.gravity.force, s.gravity.force);
+  EXPECT_EQ(r.gravity.torque, s.gravity.torque);
+  EXPECT_EQ(r.gravity.time, s.gravity.time);
+  EXPECT_EQ(r.gravity.omega, s.gravity.omega);
+  EXPECT_EQ(r.clock.stage, 2u);
+  EXPECT_EQ(r.clock.step, 30u);
+  EXPECT_EQ(r.clock.steps, 40u);
+  EXPECT_EQ(r.clock.total_steps, 500u);
+  EXPECT_EQ(r.clock.stage_start, s.clock.stage_start);
+  EXPECT_EQ(r.clock.dt, s.clock.dt);
+  EXPECT_TRUE(r.control.active);
+  EXPECT_TRUE(r.control.failed);
+  EXPECT_EQ(r.control.failure_time, s.control.failure_time);
+  EXPECT_EQ(r.control.failure_period, s.control.failure_period);
+  EXPECT_EQ(r.control.shortest_period, s.control.shortest_period);
+  EXPECT_EQ(r.control.start_ratio, s.control.start_ratio);
+  EXPECT_EQ(r.ledger.dissipated, s.ledger.dissipated);
+  EXPECT_EQ(r.ledger.control_work, s.ledger.control_work);
+  EXPECT_EQ(r.ledger.control_momentum, s.ledger.control_momentum);
+  EXPECT_EQ(r.ledger.largest_overlap, s.ledger.largest_overlap);
+  EXPECT_EQ(r.ledger.recent_overlap, s.ledger.recent_overlap);
+  EXPECT_EQ(r.ledger.start_momentum, s.ledger.start_momentum);
+  EXPECT_EQ(r.ledger.start_angular_momentum, s.ledger.start_angular_momentum);
+  EXPECT_EQ(r.k_n, s.k_n);
+}
+
+TEST(Constants, ReturnFromTheFile) {
+  const Folder folder;
+  State s = state_of_many_numbers();
+  std::vector<std::string> shapes{"dumbbell"}, shapes_read;
+  ResultFile file = ResultFile::create(folder / "state.h5", {}, false);
+  file.write_static("bodies", body_constants(s.bodies));
+  file.write_static("spheres", sphere_constants(s.bodies));
+  file.write_static("shapes", {{"name", "", "", &shapes}});
+  file.commit();
+  Bodies r;
+  read_constants(file, r, shapes_read);
+  EXPECT_EQ(shapes_read, shapes);
+  EXPECT_EQ(r.mass, s.bodies.mass);
+  EXPECT_EQ(r.inertia, s.bodies.inertia);
+  EXPECT_EQ(r.length, s.bodies.length);
+  EXPECT_EQ(r.shape, s.bodies.shape);
+  EXPECT_EQ(r.material, s.bodies.material);
+  EXPECT_EQ(r.first_sphere, s.bodies.first_sphere);
+  EXPECT_EQ(r.spheres.radius, s.bodies.spheres.radius);
+  EXPECT_EQ(r.spheres.mass, s.bodies.spheres.mass);
+  EXPECT_EQ(r.spheres.offset, s.bodies.spheres.offset);
+  EXPECT_EQ(r.spheres.body, s.bodies.spheres.body);
+}
+
+}  // namespace
+}  // namespace cairn

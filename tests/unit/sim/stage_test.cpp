@@ -1,0 +1,169 @@
+// What begins a stage and what a step does every so often.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/error.h"
+#include "shape/library.h"
+#include "sim/step.h"
+
+namespace cairn {
+namespace {
+
+/// Two balls of 1 m and 2000 kg/m^3 that press on each other and on a floor.
+struct TwoOnFloor {
+  Scene scene;
+  State state;
+  Physics physics;
+  Scratch scratch;
+
+  explicit TwoOnFloor(const std::string& tables) {
+    scene = parse_scene(fmt::format(R"(
+[[body]]
+shape = "sphere"
+density = 2000
+[[plane]]
+point = [0, 0, -0.99]
+{}
+)",
+                                    tables),
+                        "stage.toml", ".");
+    const RigidShape ball = make_rigid(load_shape("sphere", "."), MassModel::union_volume);
+    for (const double x : {0.0, 1.99})
+      add_body(state.bodies, ball, 0, 1.0, 2000.0, 0, {.position = {x, 0.0, 0.0}});
+    state.remnant.assign(2, 1);
+    state.walls.planes = make_planes(scene);
+    state.walls.resize(2);
+  }
+  void begin(const std::vector<ContactRecord>& inherited) {
+    physics = resolve_physics(scene, 0, state.bodies, resolve_stiffness(scene, 0, state.bodies));
+    begin_stage(physics, inherited, state, scratch);
+    state.clock.steps = physics.steps;
+    state.clock.dt = physics.contacts.dt;
+  }
+};
+
+TEST(BeginStage, SpringsKeepTheirForcesAndDashpotsAreMadeAnew) {
+  TwoOnFloor two(R"(
+[gravity]
+method = "none"
+[contact]
+stiffness = 4e5
+[[stage]]
+name = "stiffer"
+duration = 1
+)");
+  const ContactMemory<double> old{1.0, 2.0, {0.0, 2e-4, 0.0}, {0.0, 4e-4, 0.0}, 8e-4};
+  two.state.k_n = 1e5;
+  two.state.walls.restore({{1, 0, old}});
+  two.begin({{0, 1, old}});
+  EXPECT_EQ(two.state.k_n, 4e5);
+  // In the plane a ball has 1 + 2.5 a^2 times the mobility of its mass; a is the lever arm of the contact.
+  const double damping = damping_ratio(0.55), mass = two.state.bodies.mass[0];
+  const auto pairs = two.state.contacts.records(), walls = two.state.walls.records();
+  ASSERT_EQ(pairs.size(), 1u);
+  ASSERT_EQ(walls.size(), 2u);  // the other ball touches for the first time
+  for (const auto& [m, mu, arm] :
+       {std::tuple{pairs[0].memory, 0.5 * mass, 0.995}, std::tuple{walls[1].memory, mass, 0.99}}) {
+    EXPECT_NEAR(m.c_n, damping * std::sqrt(4e5 * mu), 1e-9 * m.c_n);
+    EXPECT_NEAR(m.c_s, damping * std::sqrt(2.0 / 7.0 * 4e5 * mu / (1.0 + 2.5 * arm * arm)), 1e-9 * m.c_s);
+    EXPECT_NEAR(m.slide.y, 0.5e-4, 1e-18);
+    EXPECT_NEAR(m.roll.y, 1e-4, 1e-18);
+    EXPECT_NEAR(m.twist, 2e-4, 1e-18);
+  }
+  EXPECT_EQ(walls[0].memory.slide.y, 0.0);
+  // Springs of 2/7 4e5 N/m, drawn along y on ball 0 by ball 1; the floor has no hold on ball 0 yet.
+  EXPECT_NEAR(two.state.bodies.force[0].y(), 2.0 / 7.0 * 4e5 * 0.5e-4, 1e-9);
+  EXPECT_NEAR(two.state.bodies.force[0].x(), -4e5 * 0.01, 1e-6);
+  EXPECT_NEAR(two.state.bodies.force[0].z(), 4e5 * 0.01, 1e-6);
+}
+
+TEST(BeginStage, RefusesAContactOfSpheresFarApart) {
+  TwoOnFloor two(
+      "[gravity]\nmethod = 'none'\n[contact]\nstiffness = 1e5\n[[stage]]\nname = 's'\nduration = 1\n");
+  two.state.bodies.position[1].x() = 5.0;
+  EXPECT_THROW(two.begin({{0, 1, {}}}), InputError);
+}
+
+TEST(Step, GravityIsRenewedAtItsInterval) {
+  TwoOnFloor two(R"(
+[gravity]
+method = "direct"
+interval = 3
+field = [0, 0, -1e-3]
+[contact]
+stiffness = 1e5
+[[stage]]
+name = "hold"
+duration = 10
+)");
+  two.begin({});
+  const double pull = kGravitationalConstant * std::pow(two.state.bodies.mass[0] / 1.99, 2);
+  EXPECT_NEAR(two.state.gravity.force[0].x(), pull, 1e-12 * pull);
+  EXPECT_NEAR(two.state.gravity.force[1].x(), -pull, 1e-12 * pull);
+  EXPECT_NEAR(gravitational_energy(two.physics, two.state.bodies, two.scratch), -1.99 * pull, 1e-12 * pull);
+  for (std::uint64_t k = 1; k < 10; ++k) {
+    step(two.physics, two.state, two.scratch);
+    EXPECT_DOUBLE_EQ(two.state.gravity.time, static_cast<double>(k / 3 * 3) * two.physics.contacts.dt) << k;
+  }
+}
+
+TEST(Step, SpinIsPrescribedToTheRemnantAtItsInterval) {
+  for (const bool include_shed : {false, true}) {
+    TwoOnFloor two(fmt::format(R"(
+[gravity]
+method = "none"
+[contact]
+stiffness = 1e5
+time_step = 1e-3
+[[stage]]
+name = "spin"
+duration = 1
+[stage.spin]
+path = [[0, 100], [1, 50]]
+control_interval = 2e-3
+include_shed = {}
+)",
+                               include_shed));
+    two.state.walls.planes.clear();
+    two.state.bodies.position[1].x() = 50.0;
+    two.state.remnant = {1, 0};
+    two.state.clock.stage_start = 40.0;  // the path counts from there
+    two.begin({});
+    two.state.control.active = true;
+    for (int k = 0; k < 5; ++k) step(two.physics, two.state, two.scratch);
+    // The last correction was at the fourth step.
+    const double rate = 2.0 * kPi / (100.0 - 50.0 * 4e-3);
+    // Free bodies fly straight on between corrections, so that a far pair keeps a little of the old rate.
+    EXPECT_NEAR(angular_velocity(two.state.bodies, 0).z(), rate, 1e-7 * rate);
+    EXPECT_NEAR(angular_velocity(two.state.bodies, 1).z(), include_shed ? rate : 0.0, 1e-7 * rate);
+    EXPECT_NEAR(two.state.control.shortest_period, 100.0 - 50.0 * 4e-3, 1e-12);
+    double energy = 0.0;
+    Vec3 angular = Vec3::Zero();
+    for (std::size_t b = 0; b < 2; ++b) {
+      const Bodies& bodies = two.state.bodies;
+      energy += 0.5 * bodies.mass[b] * bodies.velocity[b].squaredNorm() +
+                0.5 * bodies.spin[b].dot(angular_velocity(bodies, b));
+      angular += bodies.mass[b] * bodies.position[b].cross(bodies.velocity[b]) + bodies.spin[b];
+    }
+    EXPECT_NEAR(two.state.ledger.control_work, energy, 1e-9 * energy);
+    EXPECT_LT((two.state.ledger.control_momentum - angular).norm(), 1e-9 * angular.norm());
+  }
+}
+
+// Nothing comes nearer to anything in a rigid rotation, however far the spheres go.
+TEST(Step, TheListOfATurningPileIsKept) {
+  TwoOnFloor two(
+      "[gravity]\nmethod = 'none'\n[contact]\nstiffness = 1e5\n[[stage]]\nname = 's'\nduration = 9\n");
+  const RigidShape rod = make_rigid(load_shape("rod4", "."), MassModel::union_volume);
+  two.state = State{};
+  add_body(two.state.bodies, rod, 0, 1.0, 2000.0, 0,
+           {.velocity = {1.0, 2.0, 3.0}, .angular_velocity = {0.0, 0.0, 1.0}});
+  two.begin({});
+  for (int k = 0; k < 500; ++k) step(two.physics, two.state, two.scratch);
+  EXPECT_GT(two.state.clock.time(), 1.0);
+  EXPECT_EQ(two.scratch.list_age, 500u);
+}
+
+}  // namespace
+}  // namespace cairn
