@@ -10,7 +10,7 @@ namespace cairn {
 namespace {
 
 constexpr double kStiffness = 1e8, kCohesion = 2e4, kBeta = 0.5;
-const double kHalf = 1.0 + std::sqrt(0.75);  // half the length of a dumbbell
+const double kHalf = 1.0 + std::sqrt(0.75);                     // half the length of a dumbbell
 const Quat kUpright(std::sqrt(0.5), 0.0, std::sqrt(0.5), 0.0);  // dumbbell along z
 
 /// c (2 beta R)^2 (N).
@@ -53,13 +53,12 @@ TEST(Cohesion, PullOffForceIsCTimesTheSquareOfTheContactWidth) {
     report::near(what + ": pull at the last touch, N", "c (2 beta R)^2", -p.force_0.z(), strength(radius),
                  slack);
   };
-  check("spheres of radii 1 and 3", pull_off(body({.position = {0, 0, 4.0 - start}}) + body({.size = 3.0}), z),
-        0.75);
+  check("spheres of radii 1 and 3",
+        pull_off(body({.position = {0, 0, 4.0 - start}}) + body({.size = 3.0}), z), 0.75);
   check("sphere on wall", pull_off(body({.position = {0, 0, 1.0 - start}}) + wall(), z), 1.0);
   // A horizontal dumbbell whose right-hand sphere stands on a sphere.
   const double arm = std::sqrt(0.75);
-  const PullOff off = pull_off(
-      body({.shape = "dumbbell", .position = {-arm, 0, 2.0 - start}}) + body({}), z);
+  const PullOff off = pull_off(body({.shape = "dumbbell", .position = {-arm, 0, 2.0 - start}}) + body({}), z);
   check("end of a dumbbell on a sphere, off-centre", off, 0.5);
   report::near("the same: torque on the dumbbell about its centre, N m", "lever x c (2 beta R)^2",
                off.torque_0.y(), arm * strength(0.5), slack);
@@ -74,9 +73,8 @@ constexpr double kRollingLimit = 4.0;
 /// a sphere. Off-centre: a level dumbbell by one end, its moment borne by rolling resistance.
 bool hangs(double load, bool off_centre) {
   const double weight = load * strength(0.5), overlap = strength(0.5) / kStiffness;
-  const Put grain = off_centre
-                        ? Put{.shape = "dumbbell", .position = {std::sqrt(0.75), 0, overlap - 2.0}}
-                        : Put{.position = {0, 0, overlap - 2.0}};
+  const Put grain = off_centre ? Put{.shape = "dumbbell", .position = {std::sqrt(0.75), 0, overlap - 2.0}}
+                               : Put{.position = {0, 0, overlap - 2.0}};
   Experiment e(scene_text({.restitution = 0.1,
                            .friction = 1.0,
                            .rolling = kRollingLimit,
@@ -88,7 +86,8 @@ bool hangs(double load, bool off_centre) {
   const Bodies& bodies = e.state.bodies;
   constexpr int steps = 40'000;
   for (int k = 0; k < steps; ++k) {
-    e.physics.field = Vec3(0, 0, -weight / bodies.mass[1] * (0.5 - 0.5 * std::cos(kPi * std::min(1.0, 1.4 * k / steps))));
+    e.physics.field =
+        Vec3(0, 0, -weight / bodies.mass[1] * (0.5 - 0.5 * std::cos(kPi * std::min(1.0, 1.4 * k / steps))));
     lead(e, 0, Vec3::Zero(), Vec3::Zero());
     e.advance(1);
   }
@@ -128,8 +127,7 @@ Break hang(const std::vector<double>& sizes) {
   for (const double size : sizes) {
     const double overlap = strength(above * size / (above + size)) / kStiffness;
     z -= (z == 0.0 ? above : kHalf * above) + kHalf * size - overlap;
-    content +=
-        body({.shape = "dumbbell", .size = size, .position = {0, 0, z}, .orientation = kUpright});
+    content += body({.shape = "dumbbell", .size = size, .position = {0, 0, z}, .orientation = kUpright});
     above = size;
   }
   Experiment e(scene_text({.restitution = 0.1,
@@ -157,7 +155,8 @@ Break hang(const std::vector<double>& sizes) {
 }
 
 TEST(Cohesion, HangingChainOfAggregatesBreaksWhereAndWhenStaticsSays) {
-  const std::vector<std::vector<double>> chains{{1.0, 1.0, 1.0, 1.0}, {2.0, 1.5, 0.4, 1.2}, {1.5, 1.5, 1.0, 0.3, 1.0}};
+  const std::vector<std::vector<double>> chains{
+      {1.0, 1.0, 1.0, 1.0}, {2.0, 1.5, 0.4, 1.2}, {1.5, 1.5, 1.0, 0.3, 1.0}};
   for (const std::vector<double>& sizes : chains) {
     // Weight below each link over its strength; unit-size dumbbells weigh `unit`.
     const double unit =

@@ -68,19 +68,20 @@ duration = {}
 
 TEST(Collapse, EnergyIsStoredOrDissipatedToAThousandth) {
   const int count = std::getenv("CAIRN_LONG") ? 200 : 30;
-  const double duration = 6000.0;
-  std::vector<double> steps{25.0, 50.0, 100.0, 200.0};
-  if (std::getenv("CAIRN_LONG")) steps.push_back(400.0);
+  const double duration = 5000.0;
+  std::vector<double> steps{25.0, 50.0, 100.0};
+  if (std::getenv("CAIRN_LONG")) steps.insert(steps.end(), {200.0, 400.0});
   report::Curve worst{"worst over the collapse", {}, {}};
   for (const double n : steps) {
     const Balance b = collapse(count, n, duration);
     worst.x.push_back(n);
     worst.y.push_back(b.worst);
     if (n != 50.0) continue;
-    report::error(fmt::format("collapse of {} aggregates, default time step: work of gravity not found again, "
-                              "worst moment, relative",
-                              count),
-                  "kinetic + springs + dissipated", b.worst, 1e-3);
+    report::error(
+        fmt::format("collapse of {} aggregates, default time step: work of gravity not found again, "
+                    "worst moment, relative",
+                    count),
+        "kinetic + springs + dissipated", b.worst, 1e-3);
     report::plot("collapse", "Energies of the collapse over the work of gravity, default time step.",
                  {"time (s)", "energy / work of gravity"},
                  {{"kinetic", b.time, b.kinetic}, {"dissipated", b.time, b.dissipated}});
@@ -113,16 +114,21 @@ steps_per_contact = 20
 method = "direct"
 [[stage]]
 name = "collapse"
-duration = 20000
+duration = 10000
 )",
                            count));
   e.begin();
-  e.advance(e.physics.steps);
+  const double dt = e.physics.contacts.dt;
+  for (std::uint64_t k = 0; k < e.physics.steps; ++k) {
+    e.advance(1);
+    if (k > e.physics.steps / 2)  // a drag ends the long ringing of the pile
+      for (Vec3& v : e.state.bodies.velocity) v *= 1.0 - dt / 100.0;
+  }
   return e;
 }
 
 TEST(SmoothPile, ObeysTheVirialAndItsHydrostaticProfile) {
-  Experiment e = settled_pile(std::getenv("CAIRN_LONG") ? 1000 : 250);
+  Experiment e = settled_pile(std::getenv("CAIRN_LONG") ? 1000 : 200);
   const Bodies& bodies = e.state.bodies;
   const double gravity = gravitational_energy(e.physics, bodies, e.scratch);
   const SpinState whole = spin_state(bodies, all_bodies(bodies));
@@ -158,8 +164,8 @@ TEST(SmoothPile, ObeysTheVirialAndItsHydrostaticProfile) {
       if (r >= inner && (r < outer || k == shells - 1)) sum += trace[b];
     }
     const double pressure = sum / 3.0 / (4.0 / 3.0 * kPi * (std::pow(outer, 3) - std::pow(inner, 3)));
-    const double mean_square = 0.6 * (std::pow(outer, 5) - std::pow(inner, 5)) /
-                               (std::pow(outer, 3) - std::pow(inner, 3));
+    const double mean_square =
+        0.6 * (std::pow(outer, 5) - std::pow(inner, 5)) / (std::pow(outer, 3) - std::pow(inner, 3));
     const double expected = centre * (1.0 - mean_square / (radius * radius));
     worst = std::max(worst, std::abs(pressure - expected) / centre);
     grains.x.push_back(std::sqrt(mean_square) / radius);
@@ -169,8 +175,9 @@ TEST(SmoothPile, ObeysTheVirialAndItsHydrostaticProfile) {
     fluid.x.push_back(k / 40.0);
     fluid.y.push_back(centre * (1.0 - fluid.x.back() * fluid.x.back()));
   }
-  report::error("pressure in five shells of equal volume against a uniform ball, worst, over that of the centre",
-                "(2/3) pi G rho^2 (R^2 - r^2)", worst, 0.15);
+  report::error(
+      "pressure in five shells of equal volume against a uniform ball, worst, over that of the centre",
+      "(2/3) pi G rho^2 (R^2 - r^2)", worst, 0.15);
   report::plot("hydrostatic", "Pressure in a settled pile of smooth spheres.",
                {"distance from the centre / R", "pressure (Pa)"}, {fluid, grains});
 }

@@ -108,10 +108,10 @@ Oblique oblique_blow(double restitution, double friction, double partner, const 
   const std::string below =
       partner > 0.0 ? body({.size = partner, .position = {0, 0, -partner}, .spin = {0, partner_spin, 0}})
                     : wall();
-  Experiment e(
-      scene_text({.restitution = restitution, .friction = friction},
-                 fmt::format("stiffness = {}\nsteps_per_contact = 100", kBlowStiffness), "",
-                 body({.position = {0.0, 0.0, 1.0}, .velocity = velocity, .spin = {0.0, spin, 0.0}}) + below));
+  Experiment e(scene_text(
+      {.restitution = restitution, .friction = friction},
+      fmt::format("stiffness = {}\nsteps_per_contact = 100", kBlowStiffness), "",
+      body({.position = {0.0, 0.0, 1.0}, .velocity = velocity, .spin = {0.0, spin, 0.0}}) + below));
   e.begin();
   const Bodies& bodies = e.state.bodies;
   e.state.bodies.position[0] -= 0.3 * e.physics.contacts.dt * velocity;  // 0.7 of a step into the blow
@@ -135,9 +135,9 @@ double pressing(double restitution) {
   return 1.0 + std::exp(-2.0 * phi * std::cos(phi) / std::sin(phi));
 }
 
-/// Slip after the blow in closed form. k_S = (2/7) k_N gives both springs one period, so an elastic contact of
-/// loose spheres either sticks or slides from first to last: the tangential impulse is (2/7) u_t / u_n or mu_S
-/// of the normal one. With damping the same holds for sliding.
+/// Slip after the blow in closed form. k_S = (2/7) k_N gives both springs one period, so an elastic contact
+/// of loose spheres either sticks or slides from first to last: the tangential impulse is (2/7) u_t / u_n or
+/// mu_S of the normal one. With damping the same holds for sliding.
 double closed_form(double u_t, double u_n, double friction, double restitution) {
   const double ratio = std::min(2.0 / 7.0 * u_t / u_n, friction);
   return u_t - 3.5 * ratio * u_n * pressing(restitution);
@@ -188,9 +188,11 @@ TEST(ObliqueBlow, SphereOnWallOverAllAngles) {  // the layout of Chung & Ooi 201
       blow.x.push_back(angle);
       blow.y.push_back(out.u_t / speed);
     }
-    report::error(fmt::format("sphere on wall, e = {}: slip after the blow over the speed, worst of 18 angles",
-                              restitution),
-                  "closed forms of sticking and gross sliding; damped and sticking: the law's equations stepped finely", worst, 1e-3);
+    report::error(
+        fmt::format("sphere on wall, e = {}: slip after the blow over the speed, worst of 18 angles",
+                    restitution),
+        "closed forms of sticking and gross sliding; damped and sticking: the law's equations stepped finely",
+        worst, 1e-3);
     report::error(fmt::format("sphere on wall, e = {}: spin against the momentum lost, worst", restitution),
                   "I w = r m dv", worst_spin, 1e-3);
     curves.push_back(form);
@@ -222,10 +224,9 @@ TEST(ObliqueBlow, ConstantNormalVelocityAndVaryingSlip) {
       const double u_t = slip * u_n;
       // Spins of both spheres share the slip.
       const double share = s.partner > 0.0 ? 0.5 : 1.0;
-      const Oblique o = s.spin
-                            ? oblique_blow(s.restitution, friction, s.partner, {0.0, 0.0, -u_n}, -share * u_t,
-                                           s.partner > 0.0 ? -share * u_t / s.partner : 0.0)
-                            : oblique_blow(s.restitution, friction, s.partner, {u_t, 0.0, -u_n}, 0.0, 0.0);
+      const Oblique o = s.spin ? oblique_blow(s.restitution, friction, s.partner, {0.0, 0.0, -u_n},
+                                              -share * u_t, s.partner > 0.0 ? -share * u_t / s.partner : 0.0)
+                               : oblique_blow(s.restitution, friction, s.partner, {u_t, 0.0, -u_n}, 0.0, 0.0);
       const double expected = slip_after(u_t, u_n, friction, s.restitution);
       worst = std::max(worst, std::abs(o.u_t - expected) / u_t);
       out.x.push_back(slip);
@@ -235,8 +236,10 @@ TEST(ObliqueBlow, ConstantNormalVelocityAndVaryingSlip) {
         form.y.push_back(expected / u_n);
       }
     }
-    report::error(fmt::format("{}: slip after, relative to the slip before, worst of 11", s.name),
-                  "closed forms of sticking and gross sliding; damped and sticking: the law's equations stepped finely", worst, 2e-3);
+    report::error(
+        fmt::format("{}: slip after, relative to the slip before, worst of 11", s.name),
+        "closed forms of sticking and gross sliding; damped and sticking: the law's equations stepped finely",
+        worst, 2e-3);
     curves.push_back(out);
   }
   curves.pop_back();
@@ -248,7 +251,8 @@ TEST(ObliqueBlow, ConstantNormalVelocityAndVaryingSlip) {
       "contact; the linear law with k_S = (2/7) k_N has closed forms of its own: below "
       "u_t / u_n = (7/2) mu_S an elastic contact sticks from first to last, above it slides from first to "
       "last. A damped contact slides as its closed form says, but one that would stick slips a little before "
-      "it ends: the law shortens the spring to the limit mu_S N of the damped normal force before the dashpot "
+      "it ends: the law shortens the spring to the limit mu_S N of the damped normal force before the "
+      "dashpot "
       "is added. Near the threshold the slip after the blow then differs from the sticking form by up to 4 % "
       "of the speed at e = 0.9 and 10 % at e = 0.55.");
 }

@@ -1,10 +1,10 @@
 // A loaded contact that is carried through a rigid rotation stays as it is.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-
+#include "motion/drift.h"
 #include "physics/report.h"
 #include "physics/scenes.h"
+#include "shape/library.h"
 
 namespace cairn {
 namespace {
@@ -30,10 +30,10 @@ Drift carry(bool aggregates, const Vec3& axis, std::uint64_t steps) {
   const Quat tilt(Eigen::AngleAxisd(0.3, Vec3(1.0, 2.0, -1.0).normalized()));
   const double reach = aggregates ? 1.0 + std::sqrt(0.75) : 1.0;
   const std::string shape = aggregates ? "dumbbell" : "sphere";
-  Experiment e(scene_text({.restitution = 0.5, .friction = 1.0, .rolling = 1.0, .twisting = 1.0},
-                          fmt::format("stiffness = {}", kStiffness), "",
-                          body({.shape = shape}) +
-                              body({.shape = shape, .position = {2.0 * reach - 1e-3, 0.0, 0.0}})));
+  Experiment e(scene_text(
+      {.restitution = 0.5, .friction = 1.0, .rolling = 1.0, .twisting = 1.0},
+      fmt::format("stiffness = {}", kStiffness), "",
+      body({.shape = shape}) + body({.shape = shape, .position = {2.0 * reach - 1e-3, 0.0, 0.0}})));
   e.begin();
   const double dt = e.physics.contacts.dt;
   // Load all springs to about half of their limits.
@@ -46,26 +46,30 @@ Drift carry(bool aggregates, const Vec3& axis, std::uint64_t steps) {
   lead(e, 1, Vec3::Zero(), Vec3::Zero());
   e.advance(1);
 
+  // From here the poses are set by hand, exactly: only kinematics and law are at work.
   Bodies& bodies = e.state.bodies;
   const Vec3 centre(0.3, 0.2, -0.1);
   const std::vector<Vec3> place = bodies.position;
   const std::vector<Quat> attitude = bodies.orientation;
   const Load start = load(e, Quat::Identity());
   const double energy = e.spring_energy();
-  const auto turned = [&](std::uint64_t k) {
-    return Quat(Eigen::AngleAxisd(kAngle * static_cast<double>(k), axis));
-  };
+  const std::vector<Vec3> spin_mid(2, 2.0 / dt * std::tan(0.5 * kAngle) * axis);
+  Quat now = Quat::Identity();
   Drift out{0.0, 0.0, 0.0};
-  for (std::uint64_t k = 0; k < steps; ++k) {
-    const Quat now = turned(k), next = turned(k + 1);
+  for (std::uint64_t k = 1; k <= steps; ++k) {
+    const Quat next(Eigen::AngleAxisd(kAngle * static_cast<double>(k), axis));
     for (std::size_t b = 0; b < 2; ++b) {
       const Vec3 arm = place[b] - centre;
-      bodies.position[b] = centre + now * arm;
-      bodies.orientation[b] = now * attitude[b];
       lead(e, b, (next * arm - now * arm) / dt, kAngle / dt * axis);
+      bodies.position[b] = centre + next * arm;
+      bodies.orientation[b] = next * attitude[b];
     }
-    e.advance(1);
-    if ((k + 1) % (steps / 20) != 0) continue;
+    now = next;
+    place_spheres(bodies);
+    compute_motions(bodies, spin_mid, dt, e.scratch.motions);
+    sweep(bodies, e.scratch.motions, e.physics.contacts, e.state.contacts);
+    gather_wrenches(e.state.contacts, bodies);
+    if (k % (steps / 20) != 0) continue;
     const Load here = load(e, next);
     out.energy = std::max(out.energy, std::abs(e.spring_energy() / energy - 1.0));
     out.couple = std::max(out.couple, std::abs(here.torque.norm() / start.torque.norm() - 1.0));
@@ -82,12 +86,38 @@ TEST(Objectivity, RigidRotationChangesNeitherEnergyNorCouple) {
   for (const bool aggregates : {false, true})
     for (const auto& [name, axis] : axes) {
       const Drift d = carry(aggregates, axis, steps);
-      const std::string what = fmt::format("{}, {}, 1e5 steps of 1e-3 rad", 
-                                           aggregates ? "two dumbbells" : "two spheres", name);
+      const std::string what =
+          fmt::format("{}, {}, 1e5 steps of 1e-3 rad", aggregates ? "two dumbbells" : "two spheres", name);
       report::error(what + ": change of the stored energy, relative", "rigid rotation", d.energy, 1e-10);
       report::error(what + ": change of the torque on a body, relative", "rigid rotation", d.couple, 1e-10);
       report::error(what + ": the same with its direction", "rigid rotation", d.direction, 1e-10);
     }
+}
+
+/// Greatest |(x1 - x0) / dt - w x (x0 + x1) / 2| over |w| |x| for the points of a body that drifts one step.
+double midpoint_error(const std::string& shape, double dt) {
+  Bodies bodies;
+  add_body(bodies, make_rigid(load_shape(shape), MassModel::union_volume), 0, 1.0, 1.0, 0,
+           {.orientation = Quat(0.8, 0.3, -0.4, 0.3).normalized(), .angular_velocity = {0.3, -0.2, 0.5}});
+  const std::vector<Vec3> before = bodies.spheres.position;
+  std::vector<Vec3> w;
+  drift(bodies, dt, w);
+  place_spheres(bodies);
+  double worst = 0.0;
+  for (std::size_t s = 0; s < before.size(); ++s) {
+    const Vec3 after = bodies.spheres.position[s];
+    const Vec3 error = (after - before[s]) - dt * w[0].cross(0.5 * (before[s] + after));
+    worst = std::max(worst, error.norm());
+  }
+  return worst;
+}
+
+TEST(Objectivity, DriftReportsTheSpinThatCarriesItsPoints) {
+  double worst = 0.0;
+  for (const std::string& shape : library_names())
+    for (const double dt : {1e-3, 0.1, 1.0}) worst = std::max(worst, midpoint_error(shape, dt));
+  report::error("displacement of the points of a drifting body, all shapes, turns up to 0.6 rad, over r",
+                "midpoint rule with the spin reported", worst, 1e-14);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Rolling and twisting resistance: threshold couples, free oscillations, and spheres that stay, slide or roll.
+// Rolling and twisting resistance: threshold couples, free oscillations, and spheres that stay, slide or
+// roll.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -11,7 +12,7 @@ namespace {
 
 constexpr double kStiffness = 1e7, kOverlap = 1e-6, kBeta = 0.5;
 constexpr double kFriction = 0.8, kRolling = 1.05, kTwisting = 1.3;
-const double kHalf = 1.0 + std::sqrt(0.75);  // half the length of a dumbbell
+const double kHalf = 1.0 + std::sqrt(0.75);                     // half the length of a dumbbell
 const Quat kUpright(std::sqrt(0.5), 0.0, std::sqrt(0.5), 0.0);  // dumbbell along z
 
 enum class Pairing { spheres, wall, dumbbells };
@@ -104,7 +105,8 @@ TEST(RollingAndTwisting, SpheresTwistingOnEachOtherEndWithOneSpin) {
   report::note(
       "A twist couple of one sign on both bodies, as one published code has it, would drive both spheres of "
       "the pair that ends with one spin the same way, and lose its angular momentum. Coefficients twice too "
-      "large, as another code has them, would show in the threshold couples (factor 2) and in the frequencies "
+      "large, as another code has them, would show in the threshold couples (factor 2) and in the "
+      "frequencies "
       "(factor sqrt 2).");
 }
 
@@ -119,23 +121,21 @@ struct Mode {
   double omega0() const { return std::sqrt(stiffness / inertia); }
   double decay() const { return 0.5 * damping / inertia; }
   double omega() const { return std::sqrt(stiffness / inertia - decay() * decay()); }
-  std::string name() const {
-    return cairn::name(pairing) + (twist ? ", torsion" : ", rolling");
-  }
+  std::string name() const { return cairn::name(pairing) + (twist ? ", torsion" : ", rolling"); }
 };
 
 /// Bodies held by cohesion at kOverlap, where it balances the spring; friction never slips.
 Experiment bound(Pairing pairing, double restitution, double time_step) {
   const double radius = effective_radius(pairing);
-  Experiment e(scene_text({.restitution = restitution,
-                           .friction = 1e3,
-                           .rolling = 1e3,
-                           .twisting = 1e3,
-                           .beta = kBeta,
-                           .cohesion = kStiffness * kOverlap / std::pow(2.0 * kBeta * radius, 2)},
-                          fmt::format("stiffness = {}\ntime_step = {:.17g}\nunsafe_time_step = true",
-                                      kStiffness, time_step),
-                          "", stack(pairing), 1e6 * time_step));
+  Experiment e(scene_text(
+      {.restitution = restitution,
+       .friction = 1e3,
+       .rolling = 1e3,
+       .twisting = 1e3,
+       .beta = kBeta,
+       .cohesion = kStiffness * kOverlap / std::pow(2.0 * kBeta * radius, 2)},
+      fmt::format("stiffness = {}\ntime_step = {:.17g}\nunsafe_time_step = true", kStiffness, time_step), "",
+      stack(pairing), 1e6 * time_step));
   e.begin();
   return e;
 }
@@ -158,8 +158,8 @@ Mode make_mode(Pairing pairing, bool twist, double restitution) {
   const double k_s = 2.0 / 7.0 * kStiffness, log_e = std::log(restitution);
   const double ratio = -2.0 * log_e / std::sqrt(kPi * kPi + log_e * log_e);
   mode.stiffness = (twist ? 2.0 * k_s : kStiffness) * patch2;
-  mode.damping = ratio * patch2 *
-                 (twist ? 2.0 * std::sqrt(k_s / tangential) : std::sqrt(kStiffness / normal));
+  mode.damping =
+      ratio * patch2 * (twist ? 2.0 * std::sqrt(k_s / tangential) : std::sqrt(kStiffness / normal));
   return mode;
 }
 
@@ -213,16 +213,17 @@ Measured measure(const Mode& mode, double restitution) {
 
 TEST(RollingAndTwisting, SmallOscillationsHaveTheFrequencyAndDecayOfTheLaw) {
   std::vector<report::Curve> curves;
-  for (const auto& [pairing, twist] : {std::pair(Pairing::spheres, true), {Pairing::spheres, false},
-                                       {Pairing::wall, true}, {Pairing::dumbbells, true},
+  for (const auto& [pairing, twist] : {std::pair(Pairing::spheres, true),
+                                       {Pairing::spheres, false},
+                                       {Pairing::wall, true},
+                                       {Pairing::dumbbells, true},
                                        {Pairing::dumbbells, false}}) {
     for (const double restitution : {1.0, 0.8, 0.55}) {
       const Mode mode = make_mode(pairing, twist, restitution);
       const Measured m = measure(mode, restitution);
       const std::string what = fmt::format("{}, e = {}", mode.name(), restitution);
       report::close(what + ": frequency, rad/s", "sqrt(k/J - (C/2J)^2)", m.omega, mode.omega(), 1e-3);
-      if (restitution < 1.0)
-        report::close(what + ": decay, 1/s", "C / 2J", m.decay, mode.decay(), 1e-3);
+      if (restitution < 1.0) report::close(what + ": decay, 1/s", "C / 2J", m.decay, mode.decay(), 1e-3);
     }
     const Mode mode = make_mode(pairing, twist, 1.0);
     Experiment e = start(mode, 1.0, 300, 1e-6);
@@ -251,8 +252,8 @@ double spin_error(const Mode& mode, double restitution, int per_period) {
   Experiment e = start(mode, restitution, per_period, rate);
   e.advance(static_cast<std::uint64_t>(2.3 * per_period));
   const double t = e.state.clock.time(), phase = mode.omega() * t;
-  const double exact = std::exp(-mode.decay() * t) *
-                       (std::cos(phase) - mode.decay() / mode.omega() * std::sin(phase));
+  const double exact =
+      std::exp(-mode.decay() * t) * (std::cos(phase) - mode.decay() / mode.omega() * std::sin(phase));
   return std::abs(relative_spin(e, mode) / rate - exact);
 }
 
@@ -261,8 +262,7 @@ double slip_error(bool normal, double restitution, int per_period) {
   const double mass = 2000.0 * 4.0 / 3.0 * kPi, log_e = std::log(restitution), lever = 1.0 - kOverlap;
   const double zeta = -log_e / std::sqrt(kPi * kPi + log_e * log_e);
   const double mobility = 1.0 + lever * lever / 0.4;  // of the contact point along the wall, times the mass
-  const double omega0 =
-      std::sqrt((normal ? kStiffness : 2.0 / 7.0 * kStiffness * mobility) / mass);
+  const double omega0 = std::sqrt((normal ? kStiffness : 2.0 / 7.0 * kStiffness * mobility) / mass);
   const double omega = omega0 * std::sqrt(1.0 - zeta * zeta), decay = zeta * omega0;
   Experiment e(scene_text({.restitution = restitution,
                            .friction = 1e3,
@@ -282,8 +282,8 @@ double slip_error(bool normal, double restitution, int per_period) {
   e.advance(static_cast<std::uint64_t>(2.3 * per_period));
   const Bodies& bodies = e.state.bodies;
   const double t = e.state.clock.time(), phase = omega * t;
-  const double slip = normal ? bodies.velocity[0].z()
-                             : bodies.velocity[0].x() - lever * angular_velocity(bodies, 0).y();
+  const double slip =
+      normal ? bodies.velocity[0].z() : bodies.velocity[0].x() - lever * angular_velocity(bodies, 0).y();
   return std::abs(slip / speed - std::exp(-decay * t) * (std::cos(phase) - decay / omega * std::sin(phase)));
 }
 
@@ -329,7 +329,8 @@ double spin_of_sliding_sphere(bool on_wall, const std::string& rolling_slip) {
 TEST(RollingAndTwisting, SphereSlidingWithoutFrictionNeverStartsToSpin) {
   report::error("spin of a smooth sphere sliding on a wall with rolling resistance, rad/s",
                 "exactly 0: no work without a spring", spin_of_sliding_sphere(true, "none"), 0.0);
-  report::error("the same on a larger sphere", "0 to round-off", spin_of_sliding_sphere(false, "none"), 1e-20);
+  report::error("the same on a larger sphere", "0 to round-off", spin_of_sliding_sphere(false, "none"),
+                1e-20);
   report::within("with rolling_slip = zhang2017, on the wall", "spun up, as eq. 8 is printed",
                  spin_of_sliding_sphere(true, "zhang2017"), 1e-3, 1.0);
 }
@@ -346,10 +347,11 @@ TEST(RollingAndTwisting, SphereOnAnInclineStaysOrRollsAsTheLawSays) {
     const double sunk = e.state.bodies.mass[0] * g / 1e9, lever = 1.0 - sunk * std::cos(angle);
     e.state.bodies.position[0].z() -= sunk;
     const double measured = acceleration_after_tilting(e, g, angle);
-    const double expected =
-        std::max(0.0, lever * g * (lever * std::sin(angle) - threshold * std::cos(angle)) / (0.4 + lever * lever));
+    const double expected = std::max(
+        0.0, lever * g * (lever * std::sin(angle) - threshold * std::cos(angle)) / (0.4 + lever * lever));
     report::near(fmt::format("sphere at tan(theta) = {} mu_R beta: acceleration over g", ratio),
-                 "max(0, (5/7)(sin - mu_R beta cos)) at the true lever r - x", measured / g, expected / g, 1e-5);
+                 "max(0, (5/7)(sin - mu_R beta cos)) at the true lever r - x", measured / g, expected / g,
+                 1e-5);
     law.x.push_back(ratio);
     law.y.push_back(expected);
     sphere.x.push_back(ratio);
