@@ -84,7 +84,7 @@ bool hangs(double load, bool off_centre) {
                           contact_keys(), "", body({}) + body(grain)));
   e.begin();
   const Bodies& bodies = e.state.bodies;
-  constexpr int steps = 40'000;
+  constexpr int steps = 20'000;
   for (int k = 0; k < steps; ++k) {
     e.physics.field =
         Vec3(0, 0, -weight / bodies.mass[1] * (0.5 - 0.5 * std::cos(kPi * std::min(1.0, 1.4 * k / steps))));
@@ -95,8 +95,8 @@ bool hangs(double load, bool off_centre) {
 }
 
 double heaviest(bool off_centre) {
-  double low = 0.2, high = 1.2;
-  while (high - low > 2e-4) {
+  double low = 0.4, high = 1.1;
+  while (high - low > 5e-4) {
     const double middle = 0.5 * (low + high);
     (hangs(middle, off_centre) ? low : high) = middle;
   }

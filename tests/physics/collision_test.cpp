@@ -176,14 +176,14 @@ double energy_error(double steps_per_contact) {
 [[body]]
 shape = "tetrahedron"
 density = {0}
-material = "smooth"
+material = "surface"
 velocity = [0.1, 0, 0]
 angular_velocity = [0.05, 0.02, -0.03]
 orientation = [0.9, 0.1, 0.4, 0.2]
 [[body]]
 shape = "tetrahedron"
 density = {0}
-material = "smooth"
+material = "surface"
 position = [3.2, 0.7, -0.4]
 )",
                                           kDensity),

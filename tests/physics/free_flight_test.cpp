@@ -1,4 +1,5 @@
 // Bodies in free flight against the closed solution of the free top.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "body/bodies.h"

@@ -59,15 +59,18 @@ Drift carry(bool aggregates, const Vec3& axis, std::uint64_t steps) {
   for (std::uint64_t k = 1; k <= steps; ++k) {
     const Quat next(Eigen::AngleAxisd(kAngle * static_cast<double>(k), axis));
     for (std::size_t b = 0; b < 2; ++b) {
-      const Vec3 arm = place[b] - centre;
-      lead(e, b, (next * arm - now * arm) / dt, kAngle / dt * axis);
-      bodies.position[b] = centre + next * arm;
+      const Vec3 before = now * (place[b] - centre), after = next * (place[b] - centre);
+      bodies.position[b] = centre + after;
       bodies.orientation[b] = next * attitude[b];
+      lead(e, b, (after - before) / dt, kAngle / dt * axis);
+      // What turns the velocity of mid-step into that of the end, which the dashpots predict.
+      bodies.force[b] = 2.0 / dt * bodies.mass[b] * (kAngle / dt * axis.cross(after) - bodies.velocity[b]);
     }
     now = next;
     place_spheres(bodies);
     compute_motions(bodies, spin_mid, dt, e.scratch.motions);
     sweep(bodies, e.scratch.motions, e.physics.contacts, e.state.contacts);
+    for (std::size_t b = 0; b < 2; ++b) bodies.force[b].setZero();
     gather_wrenches(e.state.contacts, bodies);
     if (k % (steps / 20) != 0) continue;
     const Load here = load(e, next);

@@ -225,7 +225,7 @@ TEST(LandingOnAFloor, FlatFacesReturnWhatTheirContactsTogetherGive) {
       "cases.");
 }
 
-/// A stack of cubes on a floor, a little off each other's centres.
+/// A stack of cubes on a floor: straight, a little off each other's centres, or each turned against the last.
 std::string stack(int cubes, double turn, double x) {
   std::string out;
   double z = 1.0 + kHalfBond;
@@ -233,7 +233,7 @@ std::string stack(int cubes, double turn, double x) {
   const double apart = turn == 0.0 ? 2.0 : std::sqrt(4.0 - 1.5 * 2.0 + 1.5 * std::sqrt(2.0));
   for (int k = 0; k < cubes; ++k) {
     out += body({.shape = "cube",
-                 .position = {x + 0.02 * k * k, -0.01 * k, z},
+                 .position = {turn == 0.0 ? x + 0.02 * k * k : x, turn == 0.0 ? -0.01 * k : 0.0, z},
                  .orientation = Quat(Eigen::AngleAxisd(k * turn, Vec3::UnitZ()))});
     z += 2.0 * kHalfBond + apart;
   }

@@ -87,14 +87,15 @@ inline double acceleration_after_tilting(Experiment& e, double g, double angle) 
   constexpr double tilting = 1.0, rest = 0.5, measuring = 0.25;  // s
   e.begin();
   const double dt = e.physics.contacts.dt;
-  double before = 0.0;
-  for (double t = 0.0; t < tilting + rest + measuring; t += dt) {
+  for (double t = 0.0; t < tilting + rest; t += dt) {
     const double part = 0.5 - 0.5 * std::cos(kPi * std::min(1.0, t / tilting));
     e.physics.field = g * Vec3(std::sin(part * angle), 0.0, -std::cos(part * angle));
-    if (t < tilting + rest) before = e.state.bodies.velocity[0].x();
     e.advance(1);
   }
-  return (e.state.bodies.velocity[0].x() - before) / measuring;
+  const double before = e.state.bodies.velocity[0].x();
+  const auto steps = static_cast<std::uint64_t>(measuring / dt);
+  e.advance(steps);
+  return (e.state.bodies.velocity[0].x() - before) / (static_cast<double>(steps) * dt);
 }
 
 /// Kinetic energy and what the springs hold (J).

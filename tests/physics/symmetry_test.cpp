@@ -96,12 +96,12 @@ struct Outcome {
 };
 
 /// After the first evaluation and after kSteps steps.
-struct Run {
+struct History {
   Outcome first, last;
   double unbalanced_force = 0.0, unbalanced_torque = 0.0;  ///< N, N m: greatest of all steps
 };
 
-Run run(const Sample& sample, const Layout& layout, const std::vector<std::size_t>& members) {
+History run(const Sample& sample, const Layout& layout, const std::vector<std::size_t>& members) {
   Experiment e(fmt::format(R"(
 [contact]
 stiffness = {}
@@ -158,7 +158,7 @@ name = "second"
     }
     return out;
   };
-  Run all{outcome(), {}};
+  History all{outcome(), {}};
   for (int k = 0; k < kSteps; ++k) {
     e.advance(1);
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
@@ -205,12 +205,12 @@ TEST(Symmetry, RandomPairsAreTheSameFromEverySide) {
                               {.shift = shift},
                               {.mirror = true},
                               {.turn = turn, .shift = shift, .mirror = true, .reversed = true}};
-    const Run plain = run(sample, {}, both);
+    const History plain = run(sample, {}, both);
     force = std::max(force, plain.unbalanced_force / kStiffness);
     torque = std::max(torque, plain.unbalanced_torque / kStiffness);
     pressed = std::max(pressed, plain.last.force[0].norm() / kStiffness);
     for (std::size_t k = 0; k < std::size(layouts); ++k) {
-      const Run other = run(sample, layouts[k], both);
+      const History other = run(sample, layouts[k], both);
       worst[k].first = std::max(worst[k].first, difference(plain.first, other.first));
       worst[k].last = std::max(worst[k].last, difference(plain.last, other.last));
     }
