@@ -18,10 +18,13 @@ void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, do
     const Vec3 w_end = loose ? Vec3(momentum_end.cwiseQuotient(bodies.inertia[b]))
                              : Vec3(q * (q.conjugate() * momentum_end).cwiseQuotient(bodies.inertia[b]));
     const Vec3& w_mid = spin_mid[b];
+    const Vec3 turn = half * w_mid;
+    const double share = 1.0 / (1.0 + turn.squaredNorm());
     for (std::uint32_t s = begin; s < end; ++s) {
       SphereMotion& m = motions[s];
       const Vec3 arm = spheres.position[s] - bodies.position[b];
-      const Vec3 arm_mid = arm - half * w_mid.cross(arm);
+      // The mean of the arms before and after the drift: arm = arm_mid + turn x arm_mid.
+      const Vec3 arm_mid = share * (arm - turn.cross(arm) + turn.dot(arm) * turn);
       Eigen::Map<Vec3>(m.position) = spheres.position[s];
       m.radius = spheres.radius[s];
       Eigen::Map<Vec3>(m.velocity_mid) = bodies.velocity[b] + w_mid.cross(arm_mid);

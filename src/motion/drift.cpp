@@ -38,17 +38,27 @@ void turn(Quat& q, Vec3& p, double inertia, double dt) {
   q = q * Quat(half.cosine, axis.x(), axis.y(), axis.z());
 }
 
-}  // namespace
-
-Quat rotate_free_top(const Quat& attitude, const Vec3& angular_momentum, const Vec3& inertia, double dt) {
-  Quat q = attitude;
-  Vec3 p = q.conjugate() * angular_momentum;
+/// Rotation over dt, in the body frame before it, of a free top with momentum p in that frame.
+Quat free_top_turn(Vec3 p, const Vec3& inertia, double dt) {
+  Quat q = Quat::Identity();
   turn<0>(q, p, inertia[0], 0.5 * dt);
   turn<1>(q, p, inertia[1], 0.5 * dt);
   turn<2>(q, p, inertia[2], dt);
   turn<1>(q, p, inertia[1], 0.5 * dt);
   turn<0>(q, p, inertia[0], 0.5 * dt);
-  return q.normalized();
+  return q;
+}
+
+/// tan(x) / x, from x^2.
+double tangent_ratio(double x2) {
+  if (x2 > 1e-4) return std::tan(std::sqrt(x2)) / std::sqrt(x2);
+  return 1.0 + x2 / 3.0 * (1.0 + x2 * 0.4 * (1.0 + x2 * 17.0 / 42.0));
+}
+
+}  // namespace
+
+Quat rotate_free_top(const Quat& attitude, const Vec3& angular_momentum, const Vec3& inertia, double dt) {
+  return (attitude * free_top_turn(attitude.conjugate() * angular_momentum, inertia, dt)).normalized();
 }
 
 void kick(Bodies& bodies, double dt) {
@@ -63,12 +73,14 @@ void drift(Bodies& bodies, double dt, std::vector<Vec3>& spin_mid) {
   parallel_for(bodies.size(), [&](std::size_t b) {
     bodies.position[b] += dt * bodies.velocity[b];
     if (bodies.sphere_count(b) == 1) {  // the attitude of a loose sphere moves nothing
-      spin_mid[b] = bodies.spin[b].cwiseQuotient(bodies.inertia[b]);
+      const Vec3 w = bodies.spin[b].cwiseQuotient(bodies.inertia[b]);
+      spin_mid[b] = tangent_ratio(0.25 * dt * dt * w.squaredNorm()) * w;
       return;
     }
-    const Vec3 before = angular_velocity(bodies, b);
-    bodies.orientation[b] = rotate_free_top(bodies.orientation[b], bodies.spin[b], bodies.inertia[b], dt);
-    spin_mid[b] = 0.5 * (before + angular_velocity(bodies, b));
+    Quat& attitude = bodies.orientation[b];
+    const Quat turn = free_top_turn(attitude.conjugate() * bodies.spin[b], bodies.inertia[b], dt);
+    spin_mid[b] = attitude * (2.0 / (dt * turn.w()) * turn.vec());
+    attitude = (attitude * turn).normalized();
   });
 }
 

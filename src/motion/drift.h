@@ -12,8 +12,10 @@ namespace cairn {
 /// Velocity and angular momentum advance by dt (s) under the wrenches held in the bodies.
 void kick(Bodies& bodies, double dt);
 
-/// Positions and attitudes advance by dt (s) at constant momenta. `spin_mid` receives the mean of the angular
-/// velocities before and after (rad/s), second-order accurate for mid-step.
+/// Positions and attitudes advance by dt (s) at constant momenta. `spin_mid` receives the angular velocity of
+/// mid-step (rad/s) in the sense of the midpoint rule: a point of the body goes exactly from x0 to x1, seen
+/// from the mass centre, with (x1 - x0) / dt = spin_mid x (x0 + x1) / 2. Its length is tan(angle / 2) over dt
+/// / 2. So a rigid motion of two bodies is one for their contact too, however long it lasts.
 void drift(Bodies& bodies, double dt, std::vector<Vec3>& spin_mid);
 
 /// Attitude of a free top with principal moments `inertia` after dt: rotations about axes 1, 2, 3, 2, 1.

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "contact/law/pair.h"
-#include "physics/experiment.h"
 #include "physics/report.h"
+#include "physics/scenes.h"
 
 namespace cairn {
 namespace {
@@ -23,33 +23,13 @@ struct Blow {
 
 /// A unit sphere falls on its partner; first touch is `phase` of a step after a step begins.
 Blow blow(Partner partner, double restitution, double steps_per_contact, double phase) {
-  const bool wall = partner == Partner::wall;
-  Experiment e(fmt::format(R"(
-[gravity]
-method = "none"
-[[material]]
-name = "smooth"
-restitution_normal = {}
-restitution_tangential = 1
-friction = 0
-friction_rolling = 0
-friction_twisting = 0
-[contact]
-stiffness = {}
-steps_per_contact = {}
-[[stage]]
-name = "blow"
-duration = 1e3
-[[body]]
-shape = "sphere"
-density = 2000
-position = [0, 0, 1.1]
-velocity = [0, 0, {}]
-{}
-)",
-                           restitution, kStiffness, steps_per_contact, -kSpeed,
-                           wall ? "[[plane]]\nmaterial = 'smooth'\n"
-                                : "[[body]]\nshape = 'sphere'\ndensity = 2000\nposition = [0, 0, -1]\n"));
+  const bool on_wall = partner == Partner::wall;
+  Experiment e(
+      scene_text({.restitution = restitution},
+                 fmt::format("stiffness = {}\nsteps_per_contact = {}", kStiffness, steps_per_contact), "",
+                 body({.position = {0, 0, 1.1}, .velocity = {0, 0, -kSpeed}}) +
+                     (on_wall ? wall() : body({.position = {0, 0, -1}})),
+                 1e3));
   e.begin();
   const double dt = e.physics.contacts.dt;
   Bodies& bodies = e.state.bodies;
@@ -57,9 +37,9 @@ velocity = [0, 0, {}]
   place_spheres(bodies);
   e.begin();
   const auto overlap = [&] {
-    return wall ? 1.0 - bodies.position[0].z() : 2.0 - (bodies.position[0] - bodies.position[1]).norm();
+    return on_wall ? 1.0 - bodies.position[0].z() : 2.0 - (bodies.position[0] - bodies.position[1]).norm();
   };
-  const auto speed = [&] { return bodies.velocity[0].z() - (wall ? 0.0 : bodies.velocity[1].z()); };
+  const auto speed = [&] { return bodies.velocity[0].z() - (on_wall ? 0.0 : bodies.velocity[1].z()); };
   while (!e.touching()) e.advance(1);
   // Times of touch and parting between the steps, by straight lines through the overlaps.
   Blow out{0.0, overlap() / kSpeed, 0.0};

@@ -60,7 +60,8 @@ template <class T>
 struct ContactMotion {
   Triple<T> u, w;          ///< velocity (m/s) and spin (rad/s) predicted for the end of the step: dashpots
   Triple<T> u_mid, w_mid;  ///< the same in mid-step: springs
-  Triple<T> turn;  ///< mean angular velocity of the two bodies in mid-step, rad/s: carries the springs
+  Triple<T> turn;  ///< mean of the two bodies' spins in mid-step, (2 / dt) tan(angle / 2), rad/s: carries the
+                   ///< springs
   T dt;            ///< part of the step during which the contact has existed, s
 };
 
@@ -72,11 +73,12 @@ struct ContactAction {
   T dissipated;      ///< J
 };
 
-/// Turns `a` by the rotation vector `phi` (rad), |phi| up to about 0.5 to round-off.
+/// Turns `a` about the direction of `axis`: `sine` is the sine of the angle over |axis|, `versine` 1 - cosine
+/// over |axis|^2.
 template <class T>
-CAIRN_INLINE Triple<T> rotate(const Triple<T>& phi, T sine, T versine, const Triple<T>& a) {
-  const Triple<T> b = cross(phi, a);
-  return fma(versine, cross(phi, b), fma(sine, b, a));
+CAIRN_INLINE Triple<T> rotate(const Triple<T>& axis, T sine, T versine, const Triple<T>& a) {
+  const Triple<T> b = cross(axis, a);
+  return fma(versine, cross(axis, b), fma(sine, b, a));
 }
 
 /// `a` made orthogonal to the unit vector n at unchanged length.
@@ -121,33 +123,29 @@ CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const Contact
   const T press_mid = fma(law.k_n, fma(T(0.5) * dt, u_n_mid, geometry.overlap), -(memory.c_n * u_n_mid));
   const auto pressed = press > zero;
   const T earlier = min(max(press_mid, zero) / select(pressed, press, T(1.0)), T(4.0));
-  // Rotation of the springs over half a step: sin(phi)/phi and (1 - cos(phi))/phi^2 as series.
-  const Triple<T> phi = (T(0.5) * dt) * motion.turn;
-  const T phi2 = dot(phi, phi);
-  const T sine = T(1.0) - phi2 * T(1.0 / 6) *
-                              (T(1.0) - phi2 * T(1.0 / 20) *
-                                            (T(1.0) - phi2 * T(1.0 / 42) * (T(1.0) - phi2 * T(1.0 / 72))));
-  const T versine = T(0.5) - phi2 * T(1.0 / 24) *
-                                 (T(1.0) - phi2 * T(1.0 / 30) *
-                                               (T(1.0) - phi2 * T(1.0 / 56) * (T(1.0) - phi2 * T(1.0 / 90))));
+  // Rotation of the springs over half a step, by the angle whose tangent is |half|.
+  const Triple<T> half = (T(0.5) * dt) * motion.turn;
+  const T secant = sqrt(T(1.0) + dot(half, half));
+  const T sine = T(1.0) / secant, versine = sine / (T(1.0) + secant);
   const auto advance = [&](const Triple<T>& spring, const Triple<T>& rate) __attribute__((always_inline)) {
-    return flatten(rotate(phi, sine, versine, fma(dt, rate, rotate(phi, sine, versine, spring))), n);
+    return flatten(rotate(half, sine, versine, fma(dt, rate, rotate(half, sine, versine, spring))), n);
   };
   // Spring, dashpot, slider: the spring is shortened to what the slider holds, then the sum is cut to the
   // limit.
   const auto slide = [&](T stiffness, T damping, T limit, Triple<T> & spring, const Triple<T>& rate,
                          const Triple<T>& rate_mid) __attribute__((always_inline)) {
-    const T before = dot(spring, spring);
-    const T keep = cut(limit, stiffness * stiffness * before);
-    // The slider loses (F_old + F_new) / 2 times its slip, the spring's work by the trapezoidal rule.
-    const T slip = (T(1.0) - keep) * fma(T(1.0) + keep, before, -(dt * dot(spring, rate_mid)));
+    const T length2 = dot(spring, spring), stretch = dt * dot(rate_mid, spring);
+    const T keep = cut(limit, stiffness * stiffness * length2);
     spring = keep * spring;
     const Triple<T> elastic = stiffness * spring;
     const Triple<T> sum = fma(damping, rate, elastic);
     const T share = cut(limit, dot(sum, sum));
-    const Triple<T> drag_mid =
-        select(share < T(1.0), share * earlier, share) * fma(damping, rate_mid, elastic);
-    action.dissipated += fma(dot(drag_mid - elastic, rate_mid), dt, T(0.5) * stiffness * slip);
+    // The work lost, to second order: of the dashpot at the rate of mid-step, and of the spring, which gives
+    // way by (1 - keep) of its length under the mean of its forces before and after the step.
+    const T share_mid = select(share < T(1.0), share * earlier, share);
+    const Triple<T> dashpot = share_mid * fma(damping, rate_mid, elastic) - elastic;
+    const T give = (T(1.0) - keep) * fma(T(1.0) + keep, length2, -stretch);
+    action.dissipated += fma(dot(dashpot, rate_mid), dt, T(0.5) * stiffness * give);
     return share * sum;
   };
 
@@ -178,11 +176,10 @@ CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const Contact
       const T before = fma(dt, w_n_mid, memory.twist);
       memory.twist = cut(limit_t, stiffness * stiffness * before * before) * before;
       const T elastic = stiffness * memory.twist;
-      const auto held = [&](T sum) { return max(-limit_t, min(limit_t, sum)); };
-      const T couple = held(fma(damping, w_n, elastic)), couple_mid = held(fma(damping, w_n_mid, elastic));
-      const T slip = (before - memory.twist) * (before + memory.twist - dt * w_n_mid);
-      action.dissipated += fma((couple_mid - elastic) * w_n_mid, dt, T(0.5) * stiffness * slip);
-      action.couple = fma(couple, n, action.couple);
+      const auto held = [&](T rate) { return max(-limit_t, min(limit_t, fma(damping, rate, elastic))); };
+      const T give = (before - memory.twist) * (before + memory.twist - dt * w_n_mid);
+      action.dissipated += fma((held(w_n_mid) - elastic) * w_n_mid, dt, T(0.5) * stiffness * give);
+      action.couple = fma(held(w_n), n, action.couple);
     }
   }
   return action;

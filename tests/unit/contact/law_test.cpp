@@ -253,9 +253,9 @@ TEST(Law, RigidRotationLeavesTheSpringsAsTheyAre) {
     s.memory.slide = triple(slide0);
     s.memory.roll = triple(roll0);
     s.memory.twist = 1e-4;
-    s.motion.turn = triple(w);
     const int steps = 5000;
     s.motion.dt = 1e-3;
+    s.motion.turn = triple(2.0 / s.motion.dt * std::tan(0.5 * s.motion.dt * w.norm()) * w.normalized());
     ContactAction<double> a{};
     for (int k = 1; k <= steps; ++k) {
       const auto at = [&](double t) { return Vec3(Eigen::AngleAxisd(w.norm() * t, w.normalized()) * n0); };

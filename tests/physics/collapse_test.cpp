@@ -1,0 +1,191 @@
+// Energy of a collapse with the whole law, and a smooth pile in equilibrium under its own gravity.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "analysis/spin_state.h"
+#include "physics/report.h"
+#include "physics/scenes.h"
+
+namespace cairn {
+namespace {
+
+double energy(Experiment& e) {
+  return mechanical_energy(e) + gravitational_energy(e.physics, e.state.bodies, e.scratch);
+}
+
+struct Balance {
+  std::vector<double> time, kinetic, dissipated, error;  ///< s; the rest over the energy injected
+  double worst = 0.0;                                    ///< over the energy injected
+};
+
+/// A small cloud of aggregates that falls together, every part of the law on.
+Balance collapse(int count, double steps_per_contact, double duration) {
+  Experiment e(fmt::format(R"(
+seed = 5
+[[cloud]]
+count = {}
+filling = 0.2
+size = 5
+density = 3000
+spin_period = 20000
+shape = [{{ shape = "dumbbell" }}, {{ shape = "tetrahedron" }}, {{ shape = "diamond" }}, {{ shape = "sphere" }}]
+[[material]]
+name = "rough"
+cohesion = 5
+[contact]
+steps_per_contact = {}
+[gravity]
+method = "direct"
+[[stage]]
+name = "collapse"
+duration = {}
+)",
+                           count, steps_per_contact, duration));
+  for (std::size_t b = 0; b < e.state.bodies.size(); ++b)  // thrown together: a fall from rest takes long
+    e.state.bodies.velocity[b] -= e.state.bodies.position[b] / 1500.0;
+  e.begin();
+  const double start = energy(e), thrown = e.kinetic_energy();
+  const double potential = gravitational_energy(e.physics, e.state.bodies, e.scratch);
+  Balance out;
+  constexpr int rows = 100;
+  for (int k = 0; k < rows; ++k) {
+    e.advance(e.physics.steps / rows);
+    out.time.push_back(e.state.clock.time());
+    out.kinetic.push_back(e.kinetic_energy());
+    out.dissipated.push_back(e.state.ledger.dissipated);
+    out.error.push_back(std::abs(energy(e) + e.state.ledger.dissipated - start));
+  }
+  const double work = thrown + potential - gravitational_energy(e.physics, e.state.bodies, e.scratch);
+  for (int k = 0; k < rows; ++k) {
+    out.kinetic[k] /= work;
+    out.dissipated[k] /= work;
+    out.error[k] /= work;
+    out.worst = std::max(out.worst, out.error[k]);
+  }
+  EXPECT_GT(out.dissipated.back(), 0.5);
+  EXPECT_GT(e.state.contacts.records().size(), static_cast<std::size_t>(count));
+  return out;
+}
+
+TEST(Collapse, EnergyIsStoredOrDissipatedToAThousandth) {
+  const int count = std::getenv("CAIRN_LONG") ? 200 : 30;
+  const double duration = 5000.0;
+  std::vector<double> steps{25.0, 50.0, 100.0};
+  if (std::getenv("CAIRN_LONG")) steps.insert(steps.end(), {200.0, 400.0});
+  report::Curve worst{"worst over the collapse", {}, {}};
+  for (const double n : steps) {
+    const Balance b = collapse(count, n, duration);
+    worst.x.push_back(n);
+    worst.y.push_back(b.worst);
+    if (n != 50.0) continue;
+    report::error(fmt::format("collapse of {} aggregates, default time step: energy injected (start and work "
+                              "of gravity) not found "
+                              "again, "
+                              "worst moment, relative",
+                              count),
+                  "kinetic + springs + dissipated", b.worst, 1e-3);
+    report::plot("collapse", "Energies of the collapse over the energy injected, default time step.",
+                 {"time (s)", "energy / energy injected"},
+                 {{"kinetic", b.time, b.kinetic}, {"dissipated", b.time, b.dissipated}});
+  }
+  report::within("order of the energy error in the step", "second order", -order_of(worst.x, worst.y), 1.7,
+                 3.0);
+  report::plot("collapse-order", "Energy gone astray in a collapse against steps per contact.",
+               {"steps per contact", "energy error / energy injected", true, true}, {worst});
+}
+
+/// A pile of smooth equal spheres, settled under its own gravity.
+Experiment settled_pile(int count) {
+  Experiment e(fmt::format(R"(
+seed = 3
+[[cloud]]
+count = {}
+filling = 0.2
+size = 10
+density = 3000
+shape = [{{ shape = "sphere" }}]
+[[material]]
+name = "smooth"
+restitution_normal = 0.05
+friction = 0
+friction_rolling = 0
+friction_twisting = 0
+[contact]
+steps_per_contact = 20
+[gravity]
+method = "direct"
+[[stage]]
+name = "collapse"
+duration = 10000
+)",
+                           count));
+  e.begin();
+  const double dt = e.physics.contacts.dt;
+  for (std::uint64_t k = 0; k < e.physics.steps; ++k) {
+    e.advance(1);
+    // A drag ends the long ringing of the pile; weak at first, or the spheres would sink through honey.
+    const double part = static_cast<double>(k) / static_cast<double>(e.physics.steps);
+    const double drag = part < 0.4 ? 0.0 : part < 0.8 ? 1.0 / 400.0 : 1.0 / 60.0;  // 1/s
+    for (Vec3& v : e.state.bodies.velocity) v *= 1.0 - drag * dt;
+  }
+  return e;
+}
+
+TEST(SmoothPile, ObeysTheVirialAndItsHydrostaticProfile) {
+  Experiment e = settled_pile(std::getenv("CAIRN_LONG") ? 1000 : 200);
+  const Bodies& bodies = e.state.bodies;
+  const double gravity = gravitational_energy(e.physics, bodies, e.scratch);
+  const SpinState whole = spin_state(bodies, all_bodies(bodies));
+  report::error("kinetic energy left, over |W|", "settled", e.kinetic_energy() / -gravity, 1e-6);
+
+  // Trace of each grain's stress times its volume: -sum (c - X).f.
+  std::vector<double> trace(bodies.size(), 0.0);
+  double total = 0.0;
+  for (std::size_t slot = 0; slot < e.state.contacts.slots(); ++slot) {
+    if (!e.state.contacts.touching(slot)) continue;
+    const Pair p = e.state.contacts.pair(slot);
+    const Vec3 d = bodies.spheres.position[p.j] - bodies.spheres.position[p.i];
+    const double virial = -d.dot(Eigen::Map<const Vec3>(e.state.contacts.wrench[slot].force));
+    trace[p.i] += 0.5 * virial;  // equal spheres: each has half of the lever
+    trace[p.j] += 0.5 * virial;
+    total += virial;
+  }
+  report::close("volume integral of I1, J", "-W (virial theorem at rest)", total, -gravity, 2e-3);
+
+  // A uniform ball of the same mass that carries the same -W = 3 G M^2 / 5 R.
+  const double radius = 0.6 * kGravitationalConstant * whole.mass * whole.mass / -gravity;
+  const double density = whole.mass / (4.0 / 3.0 * kPi * std::pow(radius, 3));
+  const double centre = 2.0 / 3.0 * kPi * kGravitationalConstant * density * density * radius * radius;
+  report::Curve grains{"grains in shells", {}, {}, false}, fluid{"uniform ball", {}, {}};
+  constexpr int shells = 5;
+  double worst = 0.0;
+  for (int k = 0; k < shells; ++k) {
+    const double inner = radius * std::cbrt(static_cast<double>(k) / shells),
+                 outer = radius * std::cbrt((k + 1.0) / shells);
+    double sum = 0.0;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      const double r = (bodies.position[b] - whole.center).norm();
+      if (r >= inner && (r < outer || k == shells - 1)) sum += trace[b];
+    }
+    const double pressure = sum / 3.0 / (4.0 / 3.0 * kPi * (std::pow(outer, 3) - std::pow(inner, 3)));
+    const double mean_square =
+        0.6 * (std::pow(outer, 5) - std::pow(inner, 5)) / (std::pow(outer, 3) - std::pow(inner, 3));
+    const double expected = centre * (1.0 - mean_square / (radius * radius));
+    worst = std::max(worst, std::abs(pressure - expected) / centre);
+    grains.x.push_back(std::sqrt(mean_square) / radius);
+    grains.y.push_back(pressure);
+  }
+  for (int k = 0; k <= 40; ++k) {
+    fluid.x.push_back(k / 40.0);
+    fluid.y.push_back(centre * (1.0 - fluid.x.back() * fluid.x.back()));
+  }
+  report::error(
+      "pressure in five shells of equal volume against a uniform ball, worst, over that of the centre",
+      "(2/3) pi G rho^2 (R^2 - r^2)", worst, 0.15);
+  report::plot("hydrostatic", "Pressure in a settled pile of smooth spheres.",
+               {"distance from the centre / R", "pressure (Pa)"}, {fluid, grains});
+}
+
+}  // namespace
+}  // namespace cairn
