@@ -48,7 +48,7 @@ velocity = [0, 0, {}]
 {}
 )",
                            restitution, kStiffness, steps_per_contact, -kSpeed,
-                           wall ? "[[plane]]\nmaterial = 'smooth'\n"
+                           wall ? "[[wall]]\nkind = 'plane'\nmaterial = 'smooth'\n"
                                 : "[[body]]\nshape = 'sphere'\ndensity = 2000\nposition = [0, 0, -1]\n"));
   e.begin();
   const double dt = e.physics.contacts.dt;
