@@ -18,7 +18,25 @@ struct Case {
   Scratch scratch;
 };
 
-/// A hundred mixed aggregates thrown together above a plane, all contact models on.
+/// A bowl of triangles that covers the plane and turns.
+std::shared_ptr<const MeshSurface> bowl() {
+  TriangleMesh mesh;
+  constexpr std::uint32_t n = 12;
+  for (std::uint32_t i = 0; i <= n; ++i)
+    for (std::uint32_t j = 0; j <= n; ++j) {
+      const double x = 5.0 * i - 30.0, y = 5.0 * j - 30.0;
+      mesh.vertices.emplace_back(x, y, 0.01 * (x * x + y * y) - 14.0);
+    }
+  for (std::uint32_t i = 0; i < n; ++i)
+    for (std::uint32_t j = 0; j < n; ++j) {
+      const std::uint32_t a = i * (n + 1) + j, b = a + n + 1;
+      mesh.triangles.push_back({a, b, b + 1});
+      mesh.triangles.push_back({a, b + 1, a + 1});
+    }
+  return std::make_shared<const MeshSurface>(std::move(mesh));
+}
+
+/// A hundred mixed aggregates thrown together above a plane in a turning bowl, all contact models on.
 Case thrown_together(const std::string& gravity) {
   const Scene scene = parse_scene(fmt::format(R"(
 [[body]]
@@ -39,6 +57,12 @@ steps_per_contact = 20
 [gravity]
 {}
 field = [0, 0, -0.5]
+[[wall]]
+kind = "plane"
+material = "rough"
+oscillation_amplitude = [0, 0, 0.1]
+oscillation_frequency = 0.1
+angular_velocity = [0, 0.02, 0.1]
 [[stage]]
 name = "fall"
 duration = 1e4
@@ -61,6 +85,7 @@ duration = 1e4
       }
   c.state.remnant.assign(c.state.bodies.size(), 1);
   c.state.walls.walls = make_walls(scene);
+  c.state.walls.walls[1].surface = bowl();
   c.physics = resolve_physics(scene, 0, c.state.bodies, *scene.contact.stiffness);
   begin_stage(c.physics, {}, c.state, c.scratch);
   c.state.clock.dt = c.physics.contacts.dt;
