@@ -203,7 +203,7 @@ TEST(Walls, ASphereRollsInACylinderAtTheFrequencyOfTheClosedForm) {
   for (double before = 1.0; crossings.size() < 5;) {
     e.advance(1);
     const double x = e.state.bodies.position[0].x();
-    if (before > 0.0 != x > 0.0)
+    if ((before > 0.0) != (x > 0.0))
       crossings.push_back(e.state.clock.time() - e.physics.contacts.dt * x / (x - before));
     before = x;
   }
@@ -327,7 +327,7 @@ TEST(Walls, WorkOfAShakenAndTurnedBoxIsFoundInItsGrains) {
             "[[body]]\nshape = '{}'\nsize = {}\ndensity = 2000\nposition = [{}, {}, {}]\nvelocity = [{}, {}, "
             "0]\n",
             std::array{"tetrahedron", "sphere", "rod4"}[static_cast<std::size_t>(k % 3)],
-            k % 3 == 1 ? 1.5 : 0.7, x, y, z, -0.2 * x, 0.3 * z);
+            k % 3 == 1 ? 1.0 : 0.7, x, y, z, -0.2 * x, 0.3 * z);
         ++k;
       }
   Experiment e(scene(
@@ -336,7 +336,7 @@ TEST(Walls, WorkOfAShakenAndTurnedBoxIsFoundInItsGrains) {
                            "oscillation_frequency = 0.7\noscillation_phase = 0.5\n"
                            "angular_velocity = [0.3, 0.8, 0.1]\n",
                            box),
-      4e7));
+      2e9));
   e.begin();
   const auto energy = [&] {
     double sum = e.kinetic_energy() + e.spring_energy();
@@ -345,10 +345,10 @@ TEST(Walls, WorkOfAShakenAndTurnedBoxIsFoundInItsGrains) {
     return sum;
   };
   const double start = energy();
-  while (e.state.clock.time() < 10.0) e.advance(1);
+  while (e.state.clock.time() < 5.0) e.advance(1);
   const Ledger& ledger = e.state.ledger;
   EXPECT_GT(ledger.dissipated, 0.1 * e.kinetic_energy());
-  report::error("shaken and turned box of aggregates, 10 s: energy not accounted for, over the energy lost",
+  report::error("shaken and turned box of aggregates, 5 s: energy not accounted for, over the energy lost",
                 "work of the walls",
                 std::abs(energy() - start + ledger.dissipated - ledger.wall_work) / ledger.dissipated, 1e-3);
   report::note(fmt::format("The box did {:.4g} J of work, {:.4g} J were lost in contacts.", ledger.wall_work,

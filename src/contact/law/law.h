@@ -95,6 +95,15 @@ CAIRN_INLINE T cut(T limit, T length2) {
   return select(over, limit / sqrt(select(over, length2, T(1.0))), T(1.0));
 }
 
+/// Energy lost when a spring of squared length `held` that has grown to `before` is shortened to `keep` of
+/// that: the part beyond what it held has slipped under the limit's force, the rest was stored.
+template <class T>
+CAIRN_INLINE T cutting_loss(T stiffness, T held, T before, T keep) {
+  const T after = keep * keep * before;
+  const T stored = max(after, min(before, held));
+  return stiffness * fma(T(0.5), stored - after, keep * before - sqrt(after * stored));
+}
+
 /// Advances the springs over the drift, evaluates spring + dashpot + slider for each motion that F has.
 template <Features F, class T>
 CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const ContactGeometry<T>& geometry,
@@ -133,20 +142,20 @@ CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const Contact
   // limit.
   const auto slide = [&](T stiffness, T damping, T limit, Triple<T> & spring, const Triple<T>& rate,
                          const Triple<T>& rate_mid) __attribute__((always_inline)) {
+    const T held = dot(spring, spring);
+    spring = advance(spring, rate_mid);
     const T before = dot(spring, spring);
     const T keep = cut(limit, stiffness * stiffness * before);
     spring = keep * spring;
     const Triple<T> elastic = stiffness * spring;
     const Triple<T> sum = fma(damping, rate, elastic);
     const Triple<T> drag = cut(limit, dot(sum, sum)) * sum;
-    action.dissipated +=
-        fma(dot(drag - elastic, rate_mid), dt, T(0.5) * stiffness * before * fma(-keep, keep, T(1.0)));
+    action.dissipated += fma(dot(drag - elastic, rate_mid), dt, cutting_loss(stiffness, held, before, keep));
     return drag;
   };
 
   const Triple<T> u_t = fma(-u_n, n, motion.u);
   const Triple<T> u_t_mid = fma(-u_n_mid, n_mid, motion.u_mid);
-  memory.slide = advance(memory.slide, u_t_mid);
   action.force = action.force + slide(law.k_s, memory.c_s, limit_s, memory.slide, u_t, u_t_mid);
 
   if constexpr (F.rolling || F.twisting) {
@@ -162,18 +171,18 @@ CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const Contact
         w_r_mid = fma(geometry.slip_lever, cross(n_mid, u_t_mid), w_r_mid);
       }
       const T limit_r = law.rolling * geometry.radius * max(press, zero);
-      memory.roll = advance(memory.roll, w_r_mid);
       action.couple = slide(law.k_n * patch2, memory.c_n * patch2, limit_r, memory.roll, w_r, w_r_mid);
     }
     if constexpr (F.twisting) {
       const T limit_t = law.twisting * geometry.radius * max(press, zero);
       const T stiffness = T(2.0) * law.k_s * patch2, damping = T(2.0) * memory.c_s * patch2;
       const T before = fma(dt, w_n_mid, memory.twist);
-      memory.twist = cut(limit_t, stiffness * stiffness * before * before) * before;
+      const T held = memory.twist, keep = cut(limit_t, stiffness * stiffness * before * before);
+      memory.twist = keep * before;
       const T elastic = stiffness * memory.twist;
       const T couple = max(-limit_t, min(limit_t, fma(damping, w_n, elastic)));
-      action.dissipated += fma((couple - elastic) * w_n_mid, dt,
-                               T(0.5) * stiffness * (before * before - memory.twist * memory.twist));
+      action.dissipated +=
+          fma((couple - elastic) * w_n_mid, dt, cutting_loss(stiffness, held * held, before * before, keep));
       action.couple = fma(couple, n, action.couple);
     }
   }
