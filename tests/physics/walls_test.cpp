@@ -1,6 +1,7 @@
 // Walls of every kind against closed forms: blows, rest, rolling, and the motion of the wall.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <complex>
 
@@ -311,32 +312,36 @@ TEST(Walls, ADrumSpinsASphereUp) {
                 1e-3);
 }
 
-TEST(Walls, WorkOfAShakenAndTurnedBoxIsFoundInItsGrains) {
+/// Energies (J) of eight grains in a closed box of triangles that is shaken and turned for 2 s.
+struct Shaken {
+  double gained, lost, work;
+};
+Shaken shaken(const std::string& material, double steps_per_contact) {
   const Folder folder;
   const std::string box =
       folder.write("box.off",
-                   "OFF\n8 12 0\n-5 -5 -5\n5 -5 -5\n-5 5 -5\n5 5 -5\n-5 -5 5\n5 -5 5\n-5 5 5\n5 5 5\n3 0 1 "
-                   "3\n3 0 3 2\n3 4 5 7\n"
-                   "3 4 7 6\n3 0 1 5\n3 0 5 4\n3 2 3 7\n3 2 7 6\n3 0 2 6\n3 0 6 4\n3 1 3 7\n3 1 7 5\n");
+                   "OFF\n8 6 0\n-5 -5 -5\n5 -5 -5\n-5 5 -5\n5 5 -5\n-5 -5 5\n5 -5 5\n-5 5 5\n5 5 5\n"
+                   "4 0 1 3 2\n4 4 5 7 6\n4 0 1 5 4\n4 2 3 7 6\n4 0 2 6 4\n4 1 3 7 5\n");
+  constexpr std::array shapes{"tetrahedron", "sphere", "rod4"};
   std::string bodies;
-  int k = 0;
+  std::size_t k = 0;
   for (const double x : {-2.2, 2.2})
     for (const double y : {-2.2, 2.2})
       for (const double z : {-2.5, 2.0}) {
         bodies += fmt::format(
-            "[[body]]\nshape = '{}'\nsize = {}\ndensity = 2000\nposition = [{}, {}, {}]\nvelocity = [{}, {}, "
-            "0]\n",
-            std::array{"tetrahedron", "sphere", "rod4"}[static_cast<std::size_t>(k % 3)],
-            k % 3 == 1 ? 1.0 : 0.7, x, y, z, -0.2 * x, 0.3 * z);
+            "[[body]]\nshape = '{}'\nsize = {}\ndensity = 2000\nposition = [{}, {}, {}]\n"
+            "velocity = [{}, {}, 0]\n",
+            shapes[k % 3], k % 3 == 1 ? 1.0 : 0.7, x, y, z, -0.2 * x, 0.3 * z);
         ++k;
       }
   Experiment e(scene(
-      "friction = 0.5\n",
+      material,
       bodies + fmt::format("[[wall]]\nkind = 'mesh'\nfile = \"{}\"\noscillation_amplitude = [0.1, 0, 0.2]\n"
                            "oscillation_frequency = 0.7\noscillation_phase = 0.5\n"
                            "angular_velocity = [0.3, 0.8, 0.1]\n",
                            box),
-      2e9));
+      4e8));
+  e.scene.contact.steps_per_contact = steps_per_contact;
   e.begin();
   const auto energy = [&] {
     double sum = e.kinetic_energy() + e.spring_energy();
@@ -345,14 +350,24 @@ TEST(Walls, WorkOfAShakenAndTurnedBoxIsFoundInItsGrains) {
     return sum;
   };
   const double start = energy();
-  while (e.state.clock.time() < 5.0) e.advance(1);
-  const Ledger& ledger = e.state.ledger;
-  EXPECT_GT(ledger.dissipated, 0.1 * e.kinetic_energy());
-  report::error("shaken and turned box of aggregates, 5 s: energy not accounted for, over the energy lost",
-                "work of the walls",
-                std::abs(energy() - start + ledger.dissipated - ledger.wall_work) / ledger.dissipated, 1e-3);
-  report::note(fmt::format("The box did {:.4g} J of work, {:.4g} J were lost in contacts.", ledger.wall_work,
-                           ledger.dissipated));
+  while (e.state.clock.time() < 2.0) e.advance(1);
+  return {energy() - start, e.state.ledger.dissipated, e.state.ledger.wall_work};
+}
+
+TEST(Walls, WorkOfAShakenAndTurnedBoxIsFoundInItsGrains) {
+  const Shaken elastic = shaken(std::string(kSmooth) + "restitution_normal = 1\n", 50);
+  EXPECT_EQ(elastic.lost, 0.0);
+  report::close("shaken and turned box of elastic, frictionless aggregates: work of the walls (J)",
+                "energy gained", elastic.work, elastic.gained, 1e-4);
+  const Shaken rough = shaken("friction = 0.5\n", 400);
+  report::error(
+      "the same with all resistances, 400 steps per contact: energy not accounted for, over the "
+      "energy lost",
+      "energy gained and lost", std::abs(rough.gained + rough.lost - rough.work) / rough.lost, 1e-3);
+  report::note(
+      "The account of the energy lost in contacts is of first order in the step: at 50 steps per contact "
+      "some "
+      "0.5 % of what is lost is missing in the box above, whether its walls move or not.");
 }
 
 }  // namespace
