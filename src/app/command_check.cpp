@@ -6,6 +6,7 @@
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "pile/assemble.h"
+#include "sim/make_walls.h"
 #include "sim/run.h"
 
 namespace cairn {
@@ -18,12 +19,11 @@ struct Options {
 };
 
 /// Seconds per step of stage 0, from a short trial on a copy of the bodies.
-double time_step_cost(const Scene& scene, const Setup& setup, const Physics& physics) {
+double time_step_cost(const std::vector<Wall>& walls, const Setup& setup, const Physics& physics) {
   State state;
   state.bodies = setup.bodies;
   state.remnant.assign(state.bodies.size(), 1);
-  state.walls.planes = make_planes(scene);
-  state.walls.resize(state.bodies.spheres.size());
+  state.walls.walls = walls;
   Scratch scratch;
   begin_stage(physics, setup.contacts, state, scratch);
   state.clock.dt = physics.contacts.dt;
@@ -40,6 +40,7 @@ double time_step_cost(const Scene& scene, const Setup& setup, const Physics& phy
 void check(const Options& options) {
   const Scene scene = load_scene(options.scene);
   const Setup setup = assemble(scene);
+  const std::vector<Wall> walls = make_walls(scene);
   const std::size_t bodies = setup.bodies.size(), spheres = setup.bodies.spheres.size();
   use_threads_for(spheres);
   double mass = 0.0;
@@ -49,13 +50,13 @@ void check(const Options& options) {
   double steps = 0.0, cost = 0.0;
   for (std::size_t k = 0; k < scene.stages.size(); ++k) {
     const Physics physics =
-        resolve_physics(scene, k, setup.bodies, resolve_stiffness(scene, k, setup.bodies));
-    if (k == 0) cost = time_step_cost(scene, setup, physics);
+        resolve_physics(scene, k, setup.bodies, resolve_stiffness(scene, k, setup.bodies, walls));
+    if (k == 0) cost = time_step_cost(walls, setup, physics);
     steps += static_cast<double>(physics.steps);
     fmt::print(
         "stage {} '{}'\n  models     {}\n  stiffness  {:.4g} N/m; shortest contact {:.4g} s\n"
         "  time step  {:.4g} s (longest safe {:.4g} s), {} steps for {:.6g} s\n",
-        k, scene.stages[k].name, describe_models(physics, setup.bodies, !scene.planes.empty()), physics.k_n,
+        k, scene.stages[k].name, describe_models(physics, setup.bodies, !walls.empty()), physics.k_n,
         physics.contact_time, physics.contacts.dt, kLongestSafeStep * physics.contact_time, physics.steps,
         scene.stages[k].duration);
     if (k == 0)

@@ -11,7 +11,8 @@ namespace cairn {
 
 ResultView::ResultView(const std::filesystem::path& path) : file_(ResultFile::open(path)) {
   read_constants(file_, state_.bodies, shapes_);
-  ContactColumns contacts, walls;
+  ContactColumns contacts;
+  WallColumns walls;
   file_.read_checkpoint(checkpoint_fields(state_, contacts, walls));
   RunAttributes attributes;
   file_.read_attributes(attributes.table());

@@ -1,5 +1,8 @@
 #include "contact/walls.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "contact/law/partial.h"
 #include "core/error.h"
 #include "core/parallel.h"
@@ -8,179 +11,340 @@ namespace cairn {
 
 namespace {
 
+using Map = Eigen::Map<const Vec3>;
+
+constexpr double kSameSurface =
+    0.99;  // cosine between two steps' normals of one contact that changes feature
+
 Triple<double> triple(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
-}
-Triple<double> triple(const double (&v)[3]) {
-  return {v[0], v[1], v[2]};
 }
 Vec3 vector(const Triple<double>& t) {
   return {t.x, t.y, t.z};
 }
 
-constexpr ContactMemory<double> kApart{.c_n = -1.0, .c_s = 0.0, .slide = {}, .roll = {}, .twist = 0.0};
+/// A touch in space.
+struct Meeting {
+  WallContact contact{};
+  WallTouch touch;         // in the wall frame
+  bool remembers = false;  // has a history
+};
 
-/// One sphere against one plane; the contact point lies on the plane, at distance `arm` from the centre.
-/// `due` is set at first touch.
-template <Features F>
-ContactAction<double> evaluate_plane(const SphereMotion& s, const Plane& plane, const PairLaw& law, double dt,
-                                     bool fresh, double arm, ContactMemory<double>& memory,
-                                     FirstTouch<double>& due) {
-  const Triple<double> position = triple(s.position), velocity_mid = triple(s.velocity_mid);
-  const Triple<double> normal = triple(plane.normal), point = triple(plane.point);
-  const double arm_mid = dot(fma(-0.5 * dt, velocity_mid, position) - point, normal);
-
-  ContactGeometry<double> geometry;
-  geometry.n = geometry.n_mid = -1.0 * normal;
-  geometry.overlap = s.radius - arm;
-  geometry.radius = s.radius;
-  geometry.slip_lever = 0.5 / arm;
-
-  ContactMotion<double> motion;
-  motion.u = -1.0 * fma(arm, cross(triple(s.spin), geometry.n), triple(s.velocity));
-  motion.u_mid = -1.0 * fma(arm_mid, cross(triple(s.spin_mid), geometry.n), velocity_mid);
-  motion.w = -1.0 * triple(s.spin);
-  motion.w_mid = -1.0 * triple(s.spin_mid);
-  motion.turn = 0.5 * triple(s.spin_mid);
-  motion.dt = dt;
-  if (fresh) {
-    motion.dt = age(geometry.overlap, dot(motion.u_mid, geometry.n), dt);
-    due = first_touch(law.k_n, geometry.overlap, motion.dt, dt);
-  }
-  return evaluate<F>(LawConstants<double>(law), geometry, motion, memory);
+bool in_order(const WallContact& a, const WallContact& b) {
+  return std::tuple(a.sphere, a.wall, a.feature) < std::tuple(b.sphere, b.wall, b.feature);
 }
 
 }  // namespace
 
-void Walls::set_laws(const std::vector<Material>& materials, const std::vector<Material>& plane_materials,
+WallReport& WallReport::operator+=(const WallReport& other) {
+  dissipated += other.dissipated;
+  power += other.power;
+  kicked += other.kicked;
+  if (other.overlap_ratio > overlap_ratio) {
+    overlap_ratio = other.overlap_ratio;
+    sphere = other.sphere;
+    wall = other.wall;
+  }
+  return *this;
+}
+
+/// One block of bodies against all walls.
+class Walls::Sweeper {
+ public:
+  Sweeper(const Walls& walls, const std::vector<SphereMotion>& motions, const SweepSettings& settings,
+          const std::vector<WallPose>& end, const std::vector<WallPose>& middle, Bodies& bodies)
+      : walls_(walls), motions_(motions), settings_(settings), end_(end), middle_(middle), bodies_(bodies) {
+    for (std::uint32_t w = 0; w < walls.walls.size(); ++w)
+      if (!walls.walls[w].mesh() && walls.walls[w].motion.moves()) moving_.push_back(w);
+  }
+
+  /// Spheres [begin, end); the contacts that remain are written to `contacts`.
+  template <Features F>
+  WallReport run(std::uint32_t begin, std::uint32_t end, const std::vector<WallCandidates::Entry>& entries,
+                 std::vector<WallContact>& contacts) const {
+    static thread_local std::vector<Meeting> meetings;
+    const std::vector<WallContact>& before = walls_.contacts;
+    auto old = std::lower_bound(before.begin(), before.end(), begin,
+                                [](const WallContact& c, std::uint32_t s) { return c.sphere < s; });
+    auto entry = entries.begin();
+    WallReport report;
+    contacts.clear();
+    for (std::uint32_t s = begin; s < end; ++s) {
+      const auto first_entry = entry;
+      while (entry != entries.end() && entry->sphere == s) ++entry;
+      const auto first_old = old;
+      while (old != before.end() && old->sphere == s) ++old;
+      find_meetings(s, {first_entry, entry}, meetings);
+      if (meetings.empty() && first_old == old) continue;
+      match<F>({first_old, old}, meetings, report);
+      for (Meeting& m : meetings) {
+        act<F>(m, report);
+        contacts.push_back(m.contact);
+      }
+    }
+    return report;
+  }
+
+ private:
+  const SphereMotion& motion(std::uint32_t s) const { return motions_[s]; }
+  Vec3 position(std::uint32_t s) const { return bodies_.spheres.position[s]; }
+  Vec3 middle_position(std::uint32_t s) const {
+    return position(s) - 0.5 * settings_.dt * Map(motion(s).velocity_mid);
+  }
+
+  /// What sphere s touches, in the order of wall and feature.
+  void find_meetings(std::uint32_t s, std::span<const WallCandidates::Entry> entries,
+                     std::vector<Meeting>& meetings) const {
+    static thread_local std::vector<std::uint32_t> triangles;
+    static thread_local std::vector<WallTouch> touches;
+    meetings.clear();
+    const auto add = [&](std::uint32_t w) {
+      for (const WallTouch& t : touches) meetings.push_back({{s, w, t.feature, {}}, t, false});
+    };
+    const double radius = motion(s).radius;
+    const auto smooth = [&](std::uint32_t w) {
+      const WallTouch t = walls_.walls[w].nearest(end_[w].to_wall(position(s)));
+      touches.clear();
+      if (t.arm < radius) touches.push_back(t);
+      add(w);
+    };
+    for (std::size_t k = 0; k < entries.size();) {
+      const std::uint32_t w = entries[k].wall;
+      const MeshSurface* mesh = walls_.walls[w].mesh();
+      if (!mesh) {
+        smooth(w);
+        ++k;
+        continue;
+      }
+      triangles.clear();
+      for (; k < entries.size() && entries[k].wall == w; ++k) triangles.push_back(entries[k].triangle);
+      touches.clear();
+      mesh->touch(end_[w].to_wall(position(s)), radius, triangles, touches);
+      add(w);
+    }
+    for (const std::uint32_t w : moving_) smooth(w);
+    if (!moving_.empty())
+      std::sort(meetings.begin(), meetings.end(),
+                [](const Meeting& a, const Meeting& b) { return in_order(a.contact, b.contact); });
+  }
+
+  /// Gives the meetings the histories of the contacts that they continue; contacts that none continues end.
+  template <Features F>
+  void match(std::span<const WallContact> before, std::vector<Meeting>& meetings, WallReport& report) const {
+    static thread_local std::vector<const WallContact*> left;
+    left.clear();
+    for (const WallContact& c : before) {
+      const auto same = std::find_if(meetings.begin(), meetings.end(), [&](const Meeting& m) {
+        return m.contact.wall == c.wall && m.contact.feature == c.feature;
+      });
+      if (same == meetings.end()) {
+        left.push_back(&c);
+        continue;
+      }
+      same->contact.memory = c.memory;
+      same->remembers = true;
+    }
+    for (Meeting& m : meetings) {
+      if (m.remembers || left.empty()) continue;
+      const Wall& wall = walls_.walls[m.contact.wall];
+      const Vec3 y = end_[m.contact.wall].to_wall(position(m.contact.sphere));
+      auto best = left.end();
+      double cosine = kSameSurface;
+      for (auto c = left.begin(); c != left.end(); ++c) {
+        if ((*c)->wall != m.contact.wall) continue;
+        const double here = wall.extend((*c)->feature, y).n.dot(m.touch.n);
+        if (here > cosine) {
+          cosine = here;
+          best = c;
+        }
+      }
+      if (best == left.end()) continue;
+      m.contact.memory = (*best)->memory;
+      m.remembers = true;
+      left.erase(best);
+    }
+    for (const WallContact* c : left) part<F>(*c, report);
+  }
+
+  /// An impulse on the body of a sphere at a point of a wall.
+  void kick(std::uint32_t s, std::uint32_t wall, const Vec3& c, const Vec3& impulse, const Vec3& couple,
+            WallReport& report) const {
+    const std::uint32_t b = bodies_.spheres.body[s];
+    bodies_.velocity[b] += impulse / bodies_.mass[b];
+    bodies_.spin[b] += (c - bodies_.position[b]).cross(impulse) + couple;
+    report.kicked += impulse.dot(end_[wall].velocity_at(c)) + couple.dot(end_[wall].spin);
+  }
+
+  /// Ends a contact: its springs' energy is lost.
+  template <Features F>
+  void part(const WallContact& contact, WallReport& report) const {
+    const Wall& wall = walls_.walls[contact.wall];
+    const WallPose &end = end_[contact.wall], &middle = middle_[contact.wall];
+    const std::uint32_t s = contact.sphere;
+    const double radius = motion(s).radius;
+    const Vec3 x = position(s), x_mid = middle_position(s);
+    const WallTouch touch = wall.extend(contact.feature, end.to_wall(x));
+    const WallTouch touch_mid = wall.extend(contact.feature, middle.to_wall(x_mid));
+    const LawConstants<double> law(walls_.law(bodies_, settings_, contact.wall, s));
+    const double gap = touch.arm - radius;
+    if (gap >= 0.0) {
+      const Vec3 n = end.to_space(touch.n), n_mid = middle.to_space(touch_mid.n);
+      const Vec3 along = middle.velocity_at(x_mid + touch_mid.arm * n_mid) - Map(motion(s).velocity_mid);
+      const Parting parting =
+          cairn::parting<F>(law, contact.memory.c_n, radius, gap, along.dot(n_mid), settings_.dt);
+      kick(s, contact.wall, x + touch.arm * n, parting.normal * n, Vec3::Zero(), report);
+      report.dissipated += parting.dissipated;
+    }
+    report.dissipated += cairn::stored_energy<F>(law, std::max(0.0, -gap), radius, contact.memory);
+  }
+
+  /// Evaluates the law and adds its wrench.
+  template <Features F>
+  void act(Meeting& meeting, WallReport& report) const {
+    const WallTouch& touch = meeting.touch;
+    WallContact& contact = meeting.contact;
+    const std::uint32_t s = contact.sphere, b = bodies_.spheres.body[s];
+    const Wall& wall = walls_.walls[contact.wall];
+    const WallPose &end = end_[contact.wall], &middle = middle_[contact.wall];
+    const SphereMotion& sphere = motion(s);
+    const PairLaw& law = walls_.law(bodies_, settings_, contact.wall, s);
+    if (!meeting.remembers) walls_.set_damping(bodies_, settings_, end, touch, contact);
+
+    const Vec3 x_mid = middle_position(s);
+    const WallTouch touch_mid = wall.extend(touch.feature, middle.to_wall(x_mid));
+    const Vec3 n = end.to_space(touch.n), n_mid = middle.to_space(touch_mid.n);
+    const Vec3 lever = touch.arm * n, lever_mid = touch_mid.arm * n_mid;  // from the centre to the wall
+    const Vec3 c = position(s) + lever, c_mid = x_mid + lever_mid;
+    const Vec3 velocity = end.velocity_at(c);
+
+    ContactGeometry<double> geometry;
+    geometry.n = triple(n);
+    geometry.n_mid = triple(n_mid);
+    geometry.overlap = sphere.radius - touch.arm;
+    geometry.radius = sphere.radius;
+    geometry.slip_lever = 0.5 / touch.arm;
+    ContactMotion<double> motion;
+    motion.u = triple(velocity - Map(sphere.velocity) - Map(sphere.spin).cross(lever));
+    motion.u_mid =
+        triple(middle.velocity_at(c_mid) - Map(sphere.velocity_mid) - Map(sphere.spin_mid).cross(lever_mid));
+    motion.w = triple(end.spin - Map(sphere.spin));
+    motion.w_mid = triple(middle.spin - Map(sphere.spin_mid));
+    motion.turn = triple(0.5 * (Map(sphere.spin_mid) + middle.spin));
+    motion.dt = settings_.dt;
+    FirstTouch<double> due{0.0, 0.0};
+    if (!meeting.remembers) {
+      motion.dt = age(geometry.overlap, dot(motion.u_mid, geometry.n_mid), settings_.dt);
+      due = first_touch(law.k_n, geometry.overlap, motion.dt, settings_.dt);
+    }
+    const ContactAction<double> action =
+        evaluate<F>(LawConstants<double>(law), geometry, motion, contact.memory);
+
+    const Vec3 force = vector(action.force), couple = vector(action.couple);
+    bodies_.force[b] += force;
+    bodies_.torque[b] += (c - bodies_.position[b]).cross(force) + couple;
+    WallReport mine{.dissipated = action.dissipated,
+                    .power = force.dot(velocity) + couple.dot(end.spin),
+                    .kicked = 0.0,
+                    .overlap_ratio = geometry.overlap / sphere.radius,
+                    .sphere = s,
+                    .wall = contact.wall};
+    if (!meeting.remembers)
+      kick(s, contact.wall, c, due.wrench * force + due.normal * n, due.wrench * couple, mine);
+    report += mine;
+  }
+
+  const Walls& walls_;
+  const std::vector<SphereMotion>& motions_;
+  const SweepSettings& settings_;
+  const std::vector<WallPose>&end_, &middle_;  // of the step
+  Bodies& bodies_;
+  std::vector<std::uint32_t> moving_;  // smooth walls
+};
+
+void Walls::set_laws(const std::vector<Material>& materials, const std::vector<Material>& wall_materials,
                      double k_n) {
   laws_.clear();
   materials_ = materials.size();
-  for (const Plane& plane : planes)
-    for (const Material& m : materials)
-      laws_.push_back(make_pair_law(plane_materials[plane.material], m, k_n));
+  for (const Material& wall : wall_materials)
+    for (const Material& m : materials) laws_.push_back(make_pair_law(wall, m, k_n));
 }
 
-void Walls::resize(std::size_t spheres) {
-  spheres_ = spheres;
-  memory_.assign(planes.size() * spheres, kApart);
+std::vector<WallPose> Walls::poses(double time) const {
+  std::vector<WallPose> out;
+  for (const Wall& wall : walls) out.push_back(wall.motion.pose(time));
+  return out;
 }
 
-const PairLaw& Walls::law(const Bodies& bodies, const SweepSettings& settings, std::size_t plane,
-                          std::size_t sphere) const {
-  return laws_[plane * materials_ + settings.material[bodies.spheres.body[sphere]]];
-}
-
-void Walls::set_damping(const Bodies& bodies, const SweepSettings& settings, std::size_t plane,
-                        std::size_t sphere) {
+void Walls::set_damping(const Bodies& bodies, const SweepSettings& settings, const WallPose& pose,
+                        const WallTouch& touch, WallContact& contact) const {
   const Spheres& spheres = bodies.spheres;
-  const std::uint32_t b = spheres.body[sphere];
-  const PairLaw& pair = law(bodies, settings, plane, sphere);
-  EffectiveMass mu{spheres.mass[sphere], kTangentialRatio * spheres.mass[sphere]};
+  const std::uint32_t s = contact.sphere, b = spheres.body[s];
+  const PairLaw& pair = law(bodies, settings, contact.wall, s);
+  EffectiveMass mu{spheres.mass[s], kTangentialRatio * spheres.mass[s]};
   if (!settings.sphere_damping) {
-    const Plane& p = planes[plane];
-    const Vec3 x = spheres.position[sphere];
-    const Vec3 c = x - (x - p.point).dot(p.normal) * p.normal;
+    const Vec3 n = pose.to_space(touch.n), c = spheres.position[s] + touch.arm * n;
     mu = effective_mass({1.0 / bodies.mass[b], inverse_inertia(bodies, b)}, c - bodies.position[b], {},
-                        Vec3::Zero(), p.normal);
+                        Vec3::Zero(), n);
   }
-  ContactMemory<double>& memory = memory_[plane * spheres_ + sphere];
-  memory.c_n = pair.damping_n * std::sqrt(pair.k_n * mu.normal);
-  memory.c_s = pair.damping_s * std::sqrt(pair.k_s * mu.tangential);
+  contact.memory.c_n = pair.damping_n * std::sqrt(pair.k_n * mu.normal);
+  contact.memory.c_s = pair.damping_s * std::sqrt(pair.k_s * mu.tangential);
 }
 
-SweepReport Walls::sweep(const std::vector<SphereMotion>& motions, const SweepSettings& settings,
-                         Bodies& bodies) {
-  struct Report {
-    double dissipated = 0.0, overlap_ratio = 0.0;
-    Report& operator+=(const Report& r) {
-      dissipated += r.dissipated;
-      overlap_ratio = std::max(overlap_ratio, r.overlap_ratio);
-      return *this;
-    }
-  };
-  const auto touch_plane = [&]<Features F>(std::size_t p, std::size_t s, Report& report) {
-    const Plane& plane = planes[p];
-    const SphereMotion& m = motions[s];
-    ContactMemory<double>& memory = memory_[p * spheres_ + s];
-    const Vec3 x = bodies.spheres.position[s];
-    const double arm = (x - plane.point).dot(plane.normal);
-    const std::uint32_t b = bodies.spheres.body[s];
-    const Vec3 lever = x - arm * plane.normal - bodies.position[b];
-    const auto kick = [&](const Vec3& impulse, const Vec3& couple) {
-      bodies.velocity[b] += impulse / bodies.mass[b];
-      bodies.spin[b] += lever.cross(impulse) + couple;
-    };
-    const bool was = memory.c_n >= 0.0;
-    if (arm >= m.radius) {
-      if (was) {
-        const LawConstants<double> pair(law(bodies, settings, p, s));
-        const Parting end = parting<F>(pair, memory.c_n, m.radius, arm - m.radius,
-                                       Eigen::Map<const Vec3>(m.velocity_mid).dot(plane.normal), settings.dt);
-        kick(-end.normal * plane.normal, Vec3::Zero());
-        report.dissipated += end.dissipated + cairn::stored_energy<F>(pair, 0.0, m.radius, memory);
-        memory = kApart;
-      }
-      return;
-    }
-    if (!was) set_damping(bodies, settings, p, s);
-    FirstTouch<double> due{0.0, 0.0};
-    const ContactAction<double> action =
-        evaluate_plane<F>(m, plane, law(bodies, settings, p, s), settings.dt, !was, arm, memory, due);
-    const Vec3 force = vector(action.force), couple = vector(action.couple);
-    bodies.force[b] += force;
-    bodies.torque[b] += lever.cross(force) + couple;
-    if (!was) kick(due.wrench * force - due.normal * plane.normal, due.wrench * couple);
-    report += {action.dissipated, (m.radius - arm) / m.radius};
-  };
-  const Report total = with_features(settings.features, [&]<Features F>() {
-    return parallel_sum(bodies.size(), Report{}, [&](std::size_t b) {
-      Report report;
-      for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s)
-        for (std::size_t p = 0; p < planes.size(); ++p) touch_plane.template operator()<F>(p, s, report);
-      return report;
+WallReport Walls::sweep(const std::vector<SphereMotion>& motions, const SweepSettings& settings, double time,
+                        WallCandidates& candidates, Bodies& bodies) {
+  const std::vector<WallPose> end = poses(time), middle = poses(time - 0.5 * settings.dt);
+  const Sweeper sweeper(*this, motions, settings, end, middle, bodies);
+  constexpr std::size_t size = WallCandidates::kBlock;
+  const std::size_t blocks = (bodies.size() + size - 1) / size;
+  std::vector<WallReport> reports(blocks);
+  std::vector<std::vector<WallContact>> touching(blocks);
+  candidates.resize(bodies);
+  with_features(settings.features, [&]<Features F>() {
+    parallel_blocks(blocks, 1, [&](std::size_t k, std::size_t) {
+      const std::uint32_t first = bodies.first_sphere[k * size];
+      const std::uint32_t last = bodies.first_sphere[std::min((k + 1) * size, bodies.size())];
+      reports[k] = sweeper.run<F>(first, last, candidates.list(k, bodies, walls, end), touching[k]);
     });
   });
-  return {total.dissipated, total.overlap_ratio};
+  WallReport total;
+  contacts.clear();
+  for (std::size_t k = 0; k < blocks; ++k) {
+    total += reports[k];
+    contacts.insert(contacts.end(), touching[k].begin(), touching[k].end());
+  }
+  return total;
 }
 
-std::size_t Walls::touching() const {
-  std::size_t count = 0;
-  for (const ContactMemory<double>& m : memory_) count += m.c_n >= 0.0;
-  return count;
+void Walls::renew_damping(const Bodies& bodies, const SweepSettings& settings, double time) {
+  const std::vector<WallPose> now = poses(time);
+  for (WallContact& c : contacts) {
+    const Vec3 y = now[c.wall].to_wall(bodies.spheres.position[c.sphere]);
+    set_damping(bodies, settings, now[c.wall], walls[c.wall].extend(c.feature, y), c);
+  }
 }
 
-double Walls::stored_energy(const Bodies& bodies, const SweepSettings& settings) const {
+double Walls::stored_energy(const Bodies& bodies, const SweepSettings& settings, double time) const {
+  const std::vector<WallPose> now = poses(time);
   double energy = 0.0;
   with_features(settings.features, [&]<Features F>() {
-    for (std::size_t p = 0; p < planes.size(); ++p)
-      for (std::size_t s = 0; s < spheres_; ++s) {
-        const ContactMemory<double>& memory = memory_[p * spheres_ + s];
-        if (memory.c_n < 0.0) continue;
-        const double radius = bodies.spheres.radius[s];
-        const double arm = (bodies.spheres.position[s] - planes[p].point).dot(planes[p].normal);
-        energy += cairn::stored_energy<F>(LawConstants<double>(law(bodies, settings, p, s)), radius - arm,
-                                          radius, memory);
-      }
+    for (const WallContact& c : contacts) {
+      const double radius = bodies.spheres.radius[c.sphere];
+      const Vec3 y = now[c.wall].to_wall(bodies.spheres.position[c.sphere]);
+      const double arm = walls[c.wall].extend(c.feature, y).arm;
+      energy += cairn::stored_energy<F>(LawConstants<double>(law(bodies, settings, c.wall, c.sphere)),
+                                        radius - arm, radius, c.memory);
+    }
   });
   return energy;
 }
 
-std::vector<ContactRecord> Walls::records() const {
-  std::vector<ContactRecord> out;
-  for (std::size_t p = 0; p < planes.size(); ++p)
-    for (std::size_t s = 0; s < spheres_; ++s)
-      if (const auto& memory = memory_[p * spheres_ + s]; memory.c_n >= 0.0)
-        out.push_back({static_cast<std::uint32_t>(s), static_cast<std::uint32_t>(p), memory});
-  return out;
-}
-
-void Walls::restore(const std::vector<ContactRecord>& records) {
-  for (const ContactRecord& r : records) {
-    if (r.i >= spheres_ || r.j >= planes.size())
-      throw InputError("wall contact of sphere {} and plane {}: no such pair", r.i, r.j);
-    memory_[r.j * spheres_ + r.i] = r.memory;
-  }
+void Walls::check_contacts(std::size_t spheres) const {
+  for (const WallContact& c : contacts)
+    if (c.sphere >= spheres || c.wall >= walls.size() || c.feature >= walls[c.wall].features())
+      throw InputError("contact of sphere {} with part {} of wall {}: no such pair", c.sphere, c.feature,
+                       c.wall);
+  if (!std::is_sorted(contacts.begin(), contacts.end(), in_order))
+    throw InputError("contacts with walls are not in order");
 }
 
 }  // namespace cairn

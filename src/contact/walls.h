@@ -1,52 +1,67 @@
-// Fixed planes, obeying the contact law with an infinite partner.
+// Walls of every kind, obeying the contact law with a partner of infinite radius and mass.
 #pragma once
 
 #include <vector>
 
 #include "body/bodies.h"
-#include "contact/history.h"
 #include "contact/kinematics.h"
 #include "contact/sweep.h"
+#include "contact/wall/wall.h"
+#include "contact/wall/wall_candidates.h"
 
 namespace cairn {
 
-/// Half-space {x : (x - point).normal < 0} is solid.
-struct Plane {
-  Vec3 point = Vec3::Zero();
-  Vec3 normal = Vec3::UnitZ();  ///< unit, out of the solid
-  std::uint16_t material = 0;   ///< index into the plane materials
+/// One touching pair of a sphere and a feature of a wall.
+struct WallContact {
+  std::uint32_t sphere, wall, feature;
+  ContactMemory<double> memory;
+};
+
+/// What a sweep over the walls reports.
+struct WallReport {
+  double dissipated = 0.0;     ///< J, lost in this step
+  double power = 0.0;          ///< W, that the walls give the bodies and springs now
+  double kicked = 0.0;         ///< J, given by the kicks of contacts that began or ended
+  double overlap_ratio = 0.0;  ///< greatest overlap over the sphere's radius, and whose it is
+  std::uint32_t sphere = 0, wall = 0;
+
+  WallReport& operator+=(const WallReport& other);
 };
 
 /// The walls of a scene with the histories of their contacts.
 class Walls {
  public:
-  std::vector<Plane> planes;
+  std::vector<Wall> walls;
+  std::vector<WallContact> contacts;  ///< in the order of sphere, wall, feature
 
-  /// Constants of every plane with every body material at normal stiffness k_n (N/m).
-  void set_laws(const std::vector<Material>& materials, const std::vector<Material>& plane_materials,
+  bool empty() const { return walls.empty(); }
+  /// Constants of every wall with every body material at normal stiffness k_n (N/m).
+  void set_laws(const std::vector<Material>& materials, const std::vector<Material>& wall_materials,
                 double k_n);
-  /// Makes room for the contacts of `spheres` spheres; histories are cleared.
-  void resize(std::size_t spheres);
-  /// Adds wall forces and torques to the bodies' wrenches.
-  SweepReport sweep(const std::vector<SphereMotion>& motions, const SweepSettings& settings, Bodies& bodies);
-  /// Dashpot constants of a touching pair at the present pose.
-  void set_damping(const Bodies& bodies, const SweepSettings& settings, std::size_t plane,
-                   std::size_t sphere);
-
-  std::size_t touching() const;
-  double stored_energy(const Bodies& bodies, const SweepSettings& settings) const;
-  /// Touching pairs: i the sphere, j the plane.
-  std::vector<ContactRecord> records() const;
-  void restore(const std::vector<ContactRecord>& records);
+  /// Adds wall forces and torques at `time` (s) to the bodies' wrenches. What a sphere remembers of a part of
+  /// a mesh passes to the part it has rolled or slid on to.
+  WallReport sweep(const std::vector<SphereMotion>& motions, const SweepSettings& settings, double time,
+                   WallCandidates& candidates, Bodies& bodies);
+  /// Dashpot constants of all contacts at the present poses.
+  void renew_damping(const Bodies& bodies, const SweepSettings& settings, double time);
+  /// Energy (J) in the springs of the contacts.
+  double stored_energy(const Bodies& bodies, const SweepSettings& settings, double time) const;
+  /// @throws InputError when the contacts, read from a file, are not of these walls and spheres.
+  void check_contacts(std::size_t spheres) const;
 
  private:
-  const PairLaw& law(const Bodies& bodies, const SweepSettings& settings, std::size_t plane,
-                     std::size_t sphere) const;
+  class Sweeper;
 
-  std::vector<PairLaw> laws_;  ///< plane x material
+  const PairLaw& law(const Bodies& bodies, const SweepSettings& settings, std::uint32_t wall,
+                     std::uint32_t sphere) const {
+    return laws_[wall * materials_ + settings.material[bodies.spheres.body[sphere]]];
+  }
+  std::vector<WallPose> poses(double time) const;
+  void set_damping(const Bodies& bodies, const SweepSettings& settings, const WallPose& pose,
+                   const WallTouch& touch, WallContact& contact) const;
+
+  std::vector<PairLaw> laws_;  // wall x material
   std::size_t materials_ = 0;
-  std::vector<ContactMemory<double>> memory_;  ///< plane x sphere; c_n < 0: not touching
-  std::size_t spheres_ = 0;
 };
 
 }  // namespace cairn

@@ -20,8 +20,8 @@ class Checks {
       check_cloud(scene_.clouds[i], fmt::format("cloud[{}]", i));
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i)
       check_body(scene_.bodies[i], fmt::format("body[{}]", i));
-    for (std::size_t i = 0; i < scene_.planes.size(); ++i)
-      check_plane(scene_.planes[i], fmt::format("plane[{}]", i));
+    for (std::size_t i = 0; i < scene_.walls.size(); ++i)
+      check_wall(scene_.walls[i], fmt::format("wall[{}]", i));
     check_contact();
     check_stages();
     if (scene_.pile.empty() && scene_.clouds.empty() && scene_.bodies.empty())
@@ -86,9 +86,37 @@ class Checks {
     body.orientation.coeffs() = direction<Eigen::Vector4d>(body.orientation.coeffs(), key + ".orientation");
   }
 
-  void check_plane(PlaneSpec& plane, const std::string& key) const {
-    complete_material(plane.material, key);
-    plane.normal = direction<Vec3>(plane.normal, key + ".normal");
+  void check_wall(WallSpec& wall, const std::string& key) const {
+    complete_material(wall.material, key);
+    const bool plane = wall.kind == WallKind::plane, cylinder = wall.kind == WallKind::cylinder,
+               mesh = wall.kind == WallKind::mesh, round = cylinder || wall.kind == WallKind::sphere;
+    const auto belongs = [&](const char* name, bool fits, const char* kinds) {
+      if (!fits && given(key + "." + name))
+        throw error(key + "." + name, "has no effect unless the kind is {}", kinds);
+    };
+    belongs("normal", plane, "'plane'");
+    belongs("axis", cylinder, "'cylinder'");
+    belongs("radius", round, "'sphere' or 'cylinder'");
+    belongs("side", round, "'sphere' or 'cylinder'");
+    belongs("file", mesh, "'mesh'");
+    belongs("unit", mesh, "'mesh'");
+    if (round) require(key + ".radius", "the kind is 'sphere' or 'cylinder'");
+    if (mesh) require(key + ".file", "the kind is 'mesh'");
+    wall.normal = direction<Vec3>(wall.normal, key + ".normal");
+    wall.axis = direction<Vec3>(wall.axis, key + ".axis");
+
+    const bool oscillates = given(key + ".oscillation_amplitude");
+    for (const char* name : {".oscillation_frequency", ".oscillation_phase"})
+      if (!oscillates && given(key + name))
+        throw error(key + name, "has no effect without oscillation_amplitude");
+    if (oscillates) require(key + ".oscillation_frequency", "there is an oscillation_amplitude");
+    if (given(key + ".rotation_point") && !given(key + ".angular_velocity"))
+      throw error(key + ".rotation_point", "has no effect without angular_velocity");
+    if (!given(key + ".rotation_point")) wall.rotation_point = wall.point;
+  }
+
+  void require(const std::string& key, const char* reason) const {
+    if (!given(key)) throw error(key, "missing key; required because {}", reason);
   }
 
   // A vector so short that its direction may be round-off counts as zero.

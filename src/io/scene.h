@@ -20,6 +20,8 @@ enum class DampingMass { bodies, spheres };
 enum class RollingSlip { none, zhang2017 };
 enum class GravityMethod { none, direct, tree };
 enum class OnFailure { release, keep };
+enum class WallKind { plane, sphere, cylinder, mesh };
+enum class WallSide { inside, outside };
 
 /// One shape of a mixture.
 struct ShapeChoice {
@@ -55,11 +57,24 @@ struct BodySpec {
   Quat orientation = Quat::Identity();   ///< w, x, y, z: frame of the shape file -> space
 };
 
-/// A fixed plane; bodies are kept on the side its normal points to.
-struct PlaneSpec {
-  Vec3 point = Vec3::Zero();
-  Vec3 normal = Vec3::UnitZ();
+/// A wall, fixed or moved as prescribed. Keys that its kind does not have are errors.
+struct WallSpec {
+  WallKind kind = WallKind::plane;
   std::string material;
+  Vec3 point =
+      Vec3::Zero();  ///< m, of the plane or the cylinder's axis; the sphere's centre; a mesh's origin
+  Vec3 normal = Vec3::UnitZ();  ///< of a plane, to the side where the bodies are
+  Vec3 axis = Vec3::UnitZ();    ///< of a cylinder
+  double radius = 0.0;          ///< m, of a sphere or cylinder
+  WallSide side = WallSide::inside;
+  std::string file;                           ///< of a mesh
+  double unit = 1.0;                          ///< m, of the lengths in the file
+  Vec3 velocity = Vec3::Zero();               ///< m/s
+  Vec3 oscillation_amplitude = Vec3::Zero();  ///< m
+  double oscillation_frequency = 0.0;         ///< Hz
+  double oscillation_phase = 0.0;             ///< rad
+  Vec3 angular_velocity = Vec3::Zero();       ///< rad/s
+  Vec3 rotation_point = Vec3::Zero();         ///< m; `point` when not given
 };
 
 struct ContactSpec {
@@ -117,7 +132,7 @@ struct Scene {
   std::string pile;  ///< result file whose last snapshot supplies the bodies; empty: none
   std::vector<CloudSpec> clouds;
   std::vector<BodySpec> bodies;
-  std::vector<PlaneSpec> planes;
+  std::vector<WallSpec> walls;
   std::vector<Material> materials;
   ContactSpec contact;
   GravitySpec gravity;

@@ -60,11 +60,36 @@ const Keys<BodySpec> kBodyKeys = {
                "w, x, y, z: rotation from the frame of the shape file to space; any length but zero"),
 };
 
-const Keys<PlaneSpec> kPlaneKeys = {
-    vector("point", &PlaneSpec::point, "m", kPosition, "a point of the plane"),
-    vector("normal", &PlaneSpec::normal, "", magnitude(1e6),
-           "points to the side where the bodies are; any length but zero"),
-    text("material", &PlaneSpec::material, kReference, kMaterialHelp),
+const Keys<WallSpec> kWallKeys = {
+    choice("kind", &WallSpec::kind,
+           {{"plane", WallKind::plane},
+            {"sphere", WallKind::sphere},
+            {"cylinder", WallKind::cylinder},
+            {"mesh", WallKind::mesh}},
+           "shape of the wall; a cylinder is infinite along its axis, both sides of a mesh are solid")
+        .required(),
+    text("material", &WallSpec::material, kReference, kMaterialHelp),
+    vector(
+        "point", &WallSpec::point, "m", kPosition,
+        "a point of the plane or of the cylinder's axis, the sphere's centre, where a mesh's origin is put"),
+    vector("normal", &WallSpec::normal, "", magnitude(1e6),
+           "plane only: points to the side where the bodies are; any length but zero"),
+    vector("axis", &WallSpec::axis, "", magnitude(1e6), "cylinder only: direction; any length but zero"),
+    number("radius", &WallSpec::radius, "m", kSize, "sphere and cylinder, which require it"),
+    choice("side", &WallSpec::side, {{"inside", WallSide::inside}, {"outside", WallSide::outside}},
+           "sphere and cylinder: where the bodies are"),
+    text("file", &WallSpec::file, kPath, "mesh, which requires it: path of an OBJ, STL, PLY or OFF file"),
+    number("unit", &WallSpec::unit, "m", within(1e-9, 1e9), "mesh only: unit of the lengths in the file"),
+    vector("velocity", &WallSpec::velocity, "m/s", kVelocity, "of a translation that never ends"),
+    vector("oscillation_amplitude", &WallSpec::oscillation_amplitude, "m", kPosition,
+           "displacement from the place given: amplitude sin(2 pi frequency t + phase)"),
+    number("oscillation_frequency", &WallSpec::oscillation_frequency, "Hz", above(0, 1e9),
+           "required with an amplitude"),
+    number("oscillation_phase", &WallSpec::oscillation_phase, "rad", magnitude(1e6), "at time 0"),
+    vector("angular_velocity", &WallSpec::angular_velocity, "rad/s", magnitude(1e9),
+           "of a rotation about an axis through rotation_point"),
+    vector("rotation_point", &WallSpec::rotation_point, "m", kPosition,
+           "takes part in translation and oscillation; absent: point"),
 };
 
 const Keys<Material> kMaterialKeys = {
@@ -159,7 +184,7 @@ const Keys<Scene> kSceneKeys = {
     tables("cloud", &Scene::clouds, kCloudKeys,
            "A ball of bodies at random positions and orientations, without overlap."),
     tables("body", &Scene::bodies, kBodyKeys, "One body put by hand."),
-    tables("plane", &Scene::planes, kPlaneKeys, "A fixed wall."),
+    tables("wall", &Scene::walls, kWallKeys, "A wall, fixed or moved as prescribed."),
     tables("material", &Scene::materials, kMaterialKeys,
            "Surface of bodies and walls. A pair takes geometric means, of beta the arithmetic mean."),
     table("contact", &Scene::contact, kContactKeys, "The contact law and its time step."),

@@ -49,7 +49,8 @@ Setup read_pile(const std::filesystem::path& path, const std::vector<Material>& 
   if (file.outcome() != kFinished)
     throw InputError("{}: the run has not finished; a pile comes from a finished one", path.string());
   State state;
-  ContactColumns contacts, walls;
+  ContactColumns contacts;
+  WallColumns walls;
   Setup setup;
   std::vector<std::string> names;
   read_constants(file, state.bodies, setup.shapes);

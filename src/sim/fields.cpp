@@ -6,41 +6,75 @@
 
 namespace cairn {
 
+void MemoryColumns::push_back(const ContactMemory<double>& m) {
+  c_n.push_back(m.c_n);
+  c_s.push_back(m.c_s);
+  slide.emplace_back(m.slide.x, m.slide.y, m.slide.z);
+  roll.emplace_back(m.roll.x, m.roll.y, m.roll.z);
+  twist.push_back(m.twist);
+}
+
+ContactMemory<double> MemoryColumns::operator[](std::size_t k) const {
+  return {.c_n = c_n[k],
+          .c_s = c_s[k],
+          .slide = {slide[k].x(), slide[k].y(), slide[k].z()},
+          .roll = {roll[k].x(), roll[k].y(), roll[k].z()},
+          .twist = twist[k]};
+}
+
+FieldTable MemoryColumns::table(const std::string& prefix) {
+  return {{prefix + "damping_normal", "kg/s", "C_N, from the effective mass at first touch", &c_n, prefix},
+          {prefix + "damping_tangential", "kg/s", "C_S", &c_s, prefix},
+          {prefix + "slide", "m", "tangential spring", &slide, prefix},
+          {prefix + "roll", "rad", "rolling spring", &roll, prefix},
+          {prefix + "twist", "rad", "twisting spring", &twist, prefix}};
+}
+
 void ContactColumns::assign(const std::vector<ContactRecord>& records) {
   *this = ContactColumns{};
   for (const ContactRecord& r : records) {
-    const ContactMemory<double>& m = r.memory;
     i.push_back(r.i);
     j.push_back(r.j);
-    c_n.push_back(m.c_n);
-    c_s.push_back(m.c_s);
-    slide.emplace_back(m.slide.x, m.slide.y, m.slide.z);
-    roll.emplace_back(m.roll.x, m.roll.y, m.roll.z);
-    twist.push_back(m.twist);
+    memory.push_back(r.memory);
   }
 }
 
 std::vector<ContactRecord> ContactColumns::records() const {
   std::vector<ContactRecord> out;
-  for (std::size_t k = 0; k < i.size(); ++k)
-    out.push_back({i[k],
-                   j[k],
-                   {.c_n = c_n[k],
-                    .c_s = c_s[k],
-                    .slide = {slide[k].x(), slide[k].y(), slide[k].z()},
-                    .roll = {roll[k].x(), roll[k].y(), roll[k].z()},
-                    .twist = twist[k]}});
+  for (std::size_t k = 0; k < i.size(); ++k) out.push_back({i[k], j[k], memory[k]});
   return out;
 }
 
 FieldTable ContactColumns::table(const std::string& prefix) {
-  return {{prefix + "i", "", "sphere", &i, prefix},
-          {prefix + "j", "", "sphere, or wall", &j, prefix},
-          {prefix + "damping_normal", "kg/s", "C_N, from the effective mass at first touch", &c_n, prefix},
-          {prefix + "damping_tangential", "kg/s", "C_S", &c_s, prefix},
-          {prefix + "slide", "m", "tangential spring", &slide, prefix},
-          {prefix + "roll", "rad", "rolling spring", &roll, prefix},
-          {prefix + "twist", "rad", "twisting spring", &twist, prefix}};
+  FieldTable fields = memory.table(prefix);
+  fields.insert(fields.begin(),
+                {{prefix + "i", "", "sphere", &i, prefix}, {prefix + "j", "", "sphere", &j, prefix}});
+  return fields;
+}
+
+void WallColumns::assign(const std::vector<WallContact>& contacts) {
+  *this = WallColumns{};
+  for (const WallContact& c : contacts) {
+    sphere.push_back(c.sphere);
+    wall.push_back(c.wall);
+    feature.push_back(c.feature);
+    memory.push_back(c.memory);
+  }
+}
+
+std::vector<WallContact> WallColumns::contacts() const {
+  std::vector<WallContact> out;
+  for (std::size_t k = 0; k < sphere.size(); ++k) out.push_back({sphere[k], wall[k], feature[k], memory[k]});
+  return out;
+}
+
+FieldTable WallColumns::table(const std::string& prefix) {
+  FieldTable fields = memory.table(prefix);
+  fields.insert(fields.begin(), {{prefix + "sphere", "", "sphere", &sphere, prefix},
+                                 {prefix + "wall", "", "wall, in the order of the scene", &wall, prefix},
+                                 {prefix + "feature", "", "of a mesh: its faces, then edges, then vertices",
+                                  &feature, prefix}});
+  return fields;
 }
 
 FieldTable body_constants(Bodies& b) {
@@ -68,7 +102,7 @@ FieldTable motion_fields(Bodies& b) {
           {"angular_momentum", "kg m^2/s", "about the centre of mass", &b.spin, "body"}};
 }
 
-FieldTable checkpoint_fields(State& s, ContactColumns& contacts, ContactColumns& walls) {
+FieldTable checkpoint_fields(State& s, ContactColumns& contacts, WallColumns& walls) {
   FieldTable table = motion_fields(s.bodies);
   const auto add = [&](const FieldTable& more) { table.insert(table.end(), more.begin(), more.end()); };
   add({{"force", "N", "of the last evaluation", &s.bodies.force, "body"},
@@ -91,6 +125,8 @@ FieldTable checkpoint_fields(State& s, ContactColumns& contacts, ContactColumns&
        {"control/shortest_period", "s", "shortest period held; 0: none", &s.control.shortest_period},
        {"control/start_ratio", "", "c/a when control began", &s.control.start_ratio},
        {"ledger/dissipated", "J", "work lost in contacts", &s.ledger.dissipated},
+       {"ledger/wall_work", "J", "work done by moving walls", &s.ledger.wall_work},
+       {"ledger/wall_power", "W", "of the walls at the last evaluation", &s.ledger.wall_power},
        {"ledger/control_work", "J", "work done by spin control", &s.ledger.control_work},
        {"ledger/control_momentum", "kg m^2/s", "angular momentum given by spin control",
         &s.ledger.control_momentum},

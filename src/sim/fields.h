@@ -8,14 +8,34 @@
 
 namespace cairn {
 
-/// Contact records as columns.
-struct ContactColumns {
-  std::vector<std::uint32_t> i, j;
+/// Contact histories as columns.
+struct MemoryColumns {
   std::vector<double> c_n, c_s, twist;
   std::vector<Vec3> slide, roll;
 
+  void push_back(const ContactMemory<double>& memory);
+  ContactMemory<double> operator[](std::size_t k) const;
+  FieldTable table(const std::string& prefix);
+};
+
+/// Contacts of spheres as columns.
+struct ContactColumns {
+  std::vector<std::uint32_t> i, j;
+  MemoryColumns memory;
+
   void assign(const std::vector<ContactRecord>& records);
   std::vector<ContactRecord> records() const;
+  /// Fields under `prefix`.
+  FieldTable table(const std::string& prefix);
+};
+
+/// Contacts with walls as columns.
+struct WallColumns {
+  std::vector<std::uint32_t> sphere, wall, feature;
+  MemoryColumns memory;
+
+  void assign(const std::vector<WallContact>& contacts);
+  std::vector<WallContact> contacts() const;
   /// Fields under `prefix`.
   FieldTable table(const std::string& prefix);
 };
@@ -28,7 +48,7 @@ FieldTable sphere_constants(Bodies& bodies);
 FieldTable motion_fields(Bodies& bodies);
 
 /// The whole state but for constants; contacts go through the columns.
-FieldTable checkpoint_fields(State& state, ContactColumns& contacts, ContactColumns& walls);
+FieldTable checkpoint_fields(State& state, ContactColumns& contacts, WallColumns& walls);
 
 /// Reads the constants of bodies and spheres and the names of their shapes, checks that they fit together,
 /// and makes room for what is derived from them. @throws InputError naming the file and what does not fit.

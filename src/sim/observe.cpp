@@ -38,6 +38,7 @@ constexpr Column kColumns[] = {
     {&O::field, "field_energy", "J", "in the uniform field, 0 at the origin"},
     {&O::elastic, "elastic_energy", "J", "in the springs of the contacts, less the work of cohesion"},
     {&O::dissipated, "dissipated_work", "J", "lost in contacts since the start"},
+    {&O::wall_work, "wall_work", "J", "done by moving walls since the start"},
     {&O::control_work, "control_work", "J", "done by spin control since the start"},
     {&O::momentum_x, "momentum_x", "kg m/s", "total"},
     {&O::momentum_y, "momentum_y", "kg m/s", "total"},
@@ -126,10 +127,11 @@ Observation observe(const Physics& physics, State& state, Scratch& scratch, doub
   o.rotational = total.rotational_energy;
   o.gravitational = gravitational_energy(physics, bodies, scratch);
   o.elastic = stored_energy(bodies, physics.contacts, state.contacts) +
-              state.walls.stored_energy(bodies, physics.contacts);
+              state.walls.stored_energy(bodies, physics.contacts, o.time);
   for (std::size_t b = 0; b < bodies.size(); ++b)
     o.field -= bodies.mass[b] * physics.field.dot(bodies.position[b]);
   o.dissipated = ledger.dissipated;
+  o.wall_work = ledger.wall_work;
   o.control_work = ledger.control_work;
   const Vec3& p = total.momentum;
   const Vec3& l = total.angular_momentum_about_center;
@@ -139,7 +141,7 @@ Observation observe(const Physics& physics, State& state, Scratch& scratch, doub
   o.angular_x = l.x();
   o.angular_y = l.y();
   o.angular_z = l.z();
-  const bool walls = !state.walls.planes.empty();
+  const bool walls = !state.walls.empty();
   const auto relative = [](double drift, double scale) { return scale > 0.0 ? drift / scale : drift; };
   o.momentum_drift = walls || physics.field != Vec3::Zero()
                          ? none
@@ -151,7 +153,7 @@ Observation observe(const Physics& physics, State& state, Scratch& scratch, doub
   std::size_t contacts = 0;
   for (std::size_t slot = 0; slot < state.contacts.slots(); ++slot) contacts += state.contacts.touching(slot);
   o.coordination = 2.0 * static_cast<double>(contacts) / static_cast<double>(bodies.spheres.size());
-  o.contacts = static_cast<double>(contacts + state.walls.touching());
+  o.contacts = static_cast<double>(contacts + state.walls.contacts.size());
   o.touching_bodies = static_cast<double>(touching_body_pairs(state));
   o.largest_overlap = ledger.recent_overlap;
   ledger.recent_overlap = 0.0;

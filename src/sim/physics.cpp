@@ -5,6 +5,7 @@
 
 #include "contact/stiffness.h"
 #include "core/error.h"
+#include "sim/make_walls.h"
 
 namespace cairn {
 
@@ -35,25 +36,13 @@ double closing_speed(const Bodies& bodies) {
   return first + second;
 }
 
-/// Greatest height (m) of a body above the lowest one along the field.
-double drop_height(const Bodies& bodies, const std::vector<PlaneSpec>& planes, const Vec3& field) {
-  double low = 1e300, high = -1e300;
-  for (const Vec3& x : bodies.position) {
-    const double h = -x.dot(field) / field.norm();
-    low = std::min(low, h);
-    high = std::max(high, h);
-    for (const PlaneSpec& p : planes) low = std::min(low, h - std::abs((x - p.point).dot(p.normal)));
-  }
-  return high - low;
-}
-
-double default_impact_speed(const Scene& scene, const Bodies& bodies) {
+double default_impact_speed(const Scene& scene, const Bodies& bodies, const std::vector<Wall>& walls) {
   double speed = closing_speed(bodies);
   if (scene.gravity.method != GravityMethod::none) speed = std::max(speed, escape_speed(bodies));
   const double field = scene.gravity.field.norm();
   if (field > 0.0)
-    speed = std::max(speed, std::sqrt(2.0 * field * drop_height(bodies, scene.planes, scene.gravity.field)));
-  return speed;
+    speed = std::max(speed, std::sqrt(2.0 * field * drop_height(bodies, walls, scene.gravity.field)));
+  return speed + greatest_wall_speed(bodies, walls);
 }
 
 std::uint64_t whole_steps(double interval, double dt) {
@@ -71,24 +60,26 @@ std::vector<Material> body_materials(const Scene& scene, const StageSpec& stage)
   return stage.material.empty() ? scene.materials : std::vector<Material>{named(scene, stage.material)};
 }
 
-std::vector<Material> plane_materials(const Scene& scene) {
+std::vector<Material> wall_materials(const Scene& scene) {
   std::vector<Material> out;
-  for (const PlaneSpec& plane : scene.planes) out.push_back(named(scene, plane.material));
+  for (const WallSpec& wall : scene.walls) out.push_back(named(scene, wall.material));
   return out;
 }
 
 }  // namespace
 
-double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies) {
+double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies,
+                         const std::vector<Wall>& walls) {
   const StageSpec& stage = scene.stages[index];
   if (stage.stiffness) return *stage.stiffness;
   if (scene.contact.stiffness) return *scene.contact.stiffness;
-  ContactDemand demand{.max_overlap = scene.contact.max_overlap,
-                       .impact_speed = stage.impact_speed.value_or(default_impact_speed(scene, bodies)),
-                       .field = scene.gravity.field.norm(),
-                       .self_gravity = scene.gravity.method != GravityMethod::none,
-                       .cohesion = 0.0,
-                       .shape_factor = 0.0};
+  ContactDemand demand{
+      .max_overlap = scene.contact.max_overlap,
+      .impact_speed = stage.impact_speed.value_or(default_impact_speed(scene, bodies, walls)),
+      .field = scene.gravity.field.norm(),
+      .self_gravity = scene.gravity.method != GravityMethod::none,
+      .cohesion = 0.0,
+      .shape_factor = 0.0};
   for (const Material& m : body_materials(scene, stage)) {
     demand.cohesion = std::max(demand.cohesion, m.cohesion);
     demand.shape_factor = std::max(demand.shape_factor, m.shape_factor);
@@ -109,7 +100,7 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   p.k_n = k_n;
   p.overlap_limit = contact.overlap_limit;
   p.materials = body_materials(scene, stage);
-  p.plane_materials = plane_materials(scene);
+  p.wall_materials = wall_materials(scene);
   p.contacts.material = bodies.material;
   if (p.materials.size() == 1)
     std::fill(p.contacts.material.begin(), p.contacts.material.end(), std::uint16_t{0});
@@ -117,14 +108,14 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   for (const Material& a : p.materials)
     for (const Material& b : p.materials) p.contacts.laws.push_back(make_pair_law(a, b, k_n));
   std::vector<Material> touching = p.materials;
-  touching.insert(touching.end(), p.plane_materials.begin(), p.plane_materials.end());
+  touching.insert(touching.end(), p.wall_materials.begin(), p.wall_materials.end());
   p.contacts.features = required_features(touching, contact.rolling_slip == RollingSlip::zhang2017);
   p.contacts.sphere_damping = contact.damping_mass == DampingMass::spheres;
 
   double shape_factor = 0.0;
   for (const Material& m : touching) shape_factor = std::max(shape_factor, m.shape_factor);
   p.contact_time =
-      shortest_contact_time(bodies, k_n, shape_factor, p.contacts.features.rolling, !scene.planes.empty());
+      shortest_contact_time(bodies, k_n, shape_factor, p.contacts.features.rolling, !scene.walls.empty());
   const std::optional<double> given = stage.time_step ? stage.time_step : contact.time_step;
   const double longest = kLongestSafeStep * p.contact_time;
   if (given && *given > longest && !contact.unsafe_time_step)
@@ -178,13 +169,6 @@ std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies) 
     out.push_back(
         fmt::format("a body turns by {:.2g} rad in a step; its motion will not be accurate", spin * dt));
   return out;
-}
-
-std::vector<Plane> make_planes(const Scene& scene) {
-  std::vector<Plane> planes;
-  for (const PlaneSpec& p : scene.planes)
-    planes.push_back({p.point, p.normal, static_cast<std::uint16_t>(planes.size())});
-  return planes;
 }
 
 std::string describe_models(const Physics& physics, const Bodies& bodies, bool walls) {

@@ -12,11 +12,11 @@
 namespace cairn {
 
 struct Physics {
-  SweepSettings contacts;                 ///< with the time step of the stage
-  std::vector<Material> materials;        ///< of the bodies; settings.material indexes these
-  std::vector<Material> plane_materials;  ///< of each plane
-  double k_n = 0.0;                       ///< N/m
-  double contact_time = 0.0;              ///< s, shortest any contact can last
+  SweepSettings contacts;                ///< with the time step of the stage
+  std::vector<Material> materials;       ///< of the bodies; settings.material indexes these
+  std::vector<Material> wall_materials;  ///< of each wall
+  double k_n = 0.0;                      ///< N/m
+  double contact_time = 0.0;             ///< s, shortest any contact can last
   double overlap_limit = 0.1;
   std::uint64_t steps = 0;  ///< of the stage
   GravityMethod gravity = GravityMethod::none;
@@ -31,7 +31,8 @@ struct Physics {
 
 /// Normal stiffness (N/m) of stage `index`: given by the scene, or chosen for the bodies as they are now.
 /// @throws InputError when nothing loads the contacts and none is given.
-double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies);
+double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies,
+                         const std::vector<Wall>& walls);
 
 /// Resolves stage `index` of the scene for these bodies at stiffness k_n; does not depend on their motion.
 /// @throws InputError when the time step is longer than the longest safe one.
@@ -40,9 +41,6 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
 /// What looks wrong about the bodies' motion at the start of a stage: blows deeper than the overlap limit,
 /// bodies that could pass through each other or turn too far in one step.
 std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies);
-
-/// The planes of the scene; the material of each is its own number in Physics::plane_materials.
-std::vector<Plane> make_planes(const Scene& scene);
 
 /// A short list of the models in the step, e.g. "tangential + rolling + twisting + cohesion, tree gravity".
 std::string describe_models(const Physics& physics, const Bodies& bodies, bool walls);

@@ -8,6 +8,7 @@
 #include "core/timer.h"
 #include "io/xdmf.h"
 #include "sim/fields.h"
+#include "sim/make_walls.h"
 
 namespace cairn {
 
@@ -53,8 +54,12 @@ Run::Run(Scene scene, Setup setup, ResultFile results) : Run(std::move(scene), s
   state_.k_n = setup.k_n;
   state_.remnant.assign(state_.bodies.size(), 1);
   prepare_bodies();
+  std::vector<TriangleMesh> meshes = load_wall_meshes(scene_);
+  write_wall_meshes(results_, meshes);
+  state_.walls.walls = make_walls(scene_, std::move(meshes));
   for (std::size_t k = 0; k < stages(); ++k)  // a stage that cannot run shall say so now, not after hours
-    resolve_physics(scene_, k, state_.bodies, resolve_stiffness(scene_, k, state_.bodies));
+    resolve_physics(scene_, k, state_.bodies,
+                    resolve_stiffness(scene_, k, state_.bodies, state_.walls.walls));
   const Budget total = budget(state_.bodies);
   state_.ledger.start_momentum = total.momentum;
   state_.ledger.start_angular_momentum = total.angular_momentum_about_center;
@@ -69,13 +74,11 @@ Run::Run(Scene scene, Setup setup, ResultFile results) : Run(std::move(scene), s
 }
 
 std::vector<std::string> Run::warnings() const {
-  const double k_n = resolve_stiffness(scene_, 0, state_.bodies);
+  const double k_n = resolve_stiffness(scene_, 0, state_.bodies, state_.walls.walls);
   return cairn::warnings(resolve_physics(scene_, 0, state_.bodies, k_n), state_.bodies);
 }
 
 void Run::prepare_bodies() {
-  state_.walls.planes = make_planes(scene_);
-  state_.walls.resize(sphere_count());
   const auto& radii = state_.bodies.spheres.radius;
   link_gap_ = scene_.output.remnant_gap * *std::min_element(radii.begin(), radii.end());
   place_spheres(state_.bodies);
@@ -93,7 +96,8 @@ Run Run::resume(const std::filesystem::path& path) {
   Run run(parse_scene(attributes.scene, path.string(), attributes.directory), std::move(results));
   State& state = run.state_;
   read_constants(run.results_, state.bodies, run.shapes_);
-  ContactColumns contacts, walls;
+  ContactColumns contacts;
+  WallColumns walls;
   run.results_.read_checkpoint(checkpoint_fields(state, contacts, walls));
   check_checkpoint(path, run.scene_, state);
   if (const std::vector<double> periods = run.results_.read_series("period"); !periods.empty())
@@ -101,7 +105,13 @@ Run Run::resume(const std::filesystem::path& path) {
   run.results_.declare_series(series_columns());
   run.prepare_bodies();
   run.inherited_ = contacts.records();
-  state.walls.restore(walls.records());
+  state.walls.walls = make_walls(run.scene_, read_wall_meshes(run.results_, run.scene_));
+  state.walls.contacts = walls.contacts();
+  try {
+    state.walls.check_contacts(run.sphere_count());
+  } catch (const InputError& error) {
+    throw InputError("{}: checkpoint: {}", path.string(), error.what());
+  }
   if (state.clock.steps > 0) {  // within a stage; otherwise it is about to begin
     run.physics_ = resolve_physics(run.scene_, state.clock.stage, state.bodies, state.k_n);
     prepare_scratch(run.physics_, state, run.scratch_);
@@ -112,7 +122,7 @@ Run Run::resume(const std::filesystem::path& path) {
 
 void Run::start_stage() {
   Clock& clock = state_.clock;
-  const double k_n = resolve_stiffness(scene_, clock.stage, state_.bodies);
+  const double k_n = resolve_stiffness(scene_, clock.stage, state_.bodies, state_.walls.walls);
   physics_ = resolve_physics(scene_, clock.stage, state_.bodies, k_n);
   begin_stage(physics_, inherited_, state_, scratch_);
   clock.steps = physics_.steps;
@@ -162,9 +172,10 @@ void Run::add_snapshot() {
 
 void Run::commit(bool last) {
   ScopedTimer timer(scratch_.times[static_cast<std::size_t>(Phase::output)]);
-  ContactColumns contacts, walls;
+  ContactColumns contacts;
+  WallColumns walls;
   contacts.assign(state_.clock.steps > 0 ? state_.contacts.records() : inherited_);
-  walls.assign(state_.walls.records());
+  walls.assign(state_.walls.contacts);
   const FieldTable table = checkpoint_fields(state_, contacts, walls);
   if (last)
     results_.finish(table, kFinished);

@@ -40,6 +40,8 @@ struct Control {
 /// Running totals.
 struct Ledger {
   double dissipated = 0.0;                     ///< J, lost in contacts
+  double wall_work = 0.0;                      ///< J, done by moving walls
+  double wall_power = 0.0;                     ///< W, of the walls at the last evaluation
   double control_work = 0.0;                   ///< J, done by spin control
   Vec3 control_momentum = Vec3::Zero();        ///< kg m^2/s, angular momentum given by spin control
   double largest_overlap = 0.0;                ///< over the smaller radius of its pair, of the whole run

@@ -38,13 +38,17 @@ void refresh_neighbours(const Physics& physics, State& state, Scratch& scratch) 
                              physics.contacts.features, state.contacts);
 }
 
-void check_overlap(const Physics& physics, const State& state, double overlap) {
+void check_overlap(const Physics& physics, const State& state, double pairs, const WallReport& walls) {
+  const double overlap = std::max(pairs, walls.overlap_ratio);
   if (overlap <= physics.overlap_limit) return;
-  const Pair pair = deepest_pair(state.bodies, state.contacts);
   const auto& body = state.bodies.spheres.body;
-  const std::string who = pair.i == pair.j ? std::string("a sphere and a wall")
-                                           : fmt::format("spheres {} and {} of bodies {} and {}", pair.i,
-                                                         pair.j, body[pair.i], body[pair.j]);
+  std::string who;
+  if (walls.overlap_ratio > pairs) {
+    who = fmt::format("sphere {} of body {} and wall {}", walls.sphere, body[walls.sphere], walls.wall);
+  } else {
+    const Pair pair = deepest_pair(state.bodies, state.contacts);
+    who = fmt::format("spheres {} and {} of bodies {} and {}", pair.i, pair.j, body[pair.i], body[pair.j]);
+  }
   if (state.clock.total_steps == 0)
     throw InputError("{} overlap at the start by {:.3g} of the smaller radius; contact.overlap_limit is {:g}",
                      who, overlap, physics.overlap_limit);
@@ -57,20 +61,25 @@ void check_overlap(const Physics& physics, const State& state, double overlap) {
 
 void evaluate_contacts(const Physics& physics, const SweepSettings& settings, State& state,
                        Scratch& scratch) {
-  SweepReport report = sweep(state.bodies, scratch.motions, settings, state.contacts);
+  const SweepReport pairs = sweep(state.bodies, scratch.motions, settings, state.contacts);
   std::fill(state.bodies.force.begin(), state.bodies.force.end(), Vec3::Zero());
   std::fill(state.bodies.torque.begin(), state.bodies.torque.end(), Vec3::Zero());
   gather_wrenches(state.contacts, state.bodies);
   apply_partial_kicks(state.contacts, state.bodies);
-  if (!state.walls.planes.empty()) {
-    const SweepReport walls = state.walls.sweep(scratch.motions, settings, state.bodies);
-    report.dissipated += walls.dissipated;
-    report.overlap_ratio = std::max(report.overlap_ratio, walls.overlap_ratio);
+  WallReport walls;
+  Ledger& ledger = state.ledger;
+  if (!state.walls.empty()) {
+    walls = state.walls.sweep(scratch.motions, settings, state.clock.time(), scratch.wall_candidates,
+                              state.bodies);
+    // A wrench acts for half a step on either side of its evaluation.
+    ledger.wall_work += 0.5 * settings.dt * (ledger.wall_power + walls.power) + walls.kicked;
+    ledger.wall_power = walls.power;
   }
-  state.ledger.dissipated += report.dissipated;
-  state.ledger.recent_overlap = std::max(state.ledger.recent_overlap, report.overlap_ratio);
-  state.ledger.largest_overlap = std::max(state.ledger.largest_overlap, report.overlap_ratio);
-  check_overlap(physics, state, report.overlap_ratio);
+  ledger.dissipated += pairs.dissipated + walls.dissipated;
+  const double overlap = std::max(pairs.overlap_ratio, walls.overlap_ratio);
+  ledger.recent_overlap = std::max(ledger.recent_overlap, overlap);
+  ledger.largest_overlap = std::max(ledger.largest_overlap, overlap);
+  check_overlap(physics, state, pairs.overlap_ratio, walls);
 }
 
 /// Accelerations of all spheres by the method of the stage, and potentials when asked for.
@@ -125,7 +134,7 @@ void control_spin(const Physics& physics, State& state, Scratch& scratch) {
 }  // namespace
 
 void prepare_scratch(const Physics& physics, State& state, Scratch& scratch) {
-  state.walls.set_laws(physics.materials, physics.plane_materials, physics.k_n);
+  state.walls.set_laws(physics.materials, physics.wall_materials, physics.k_n);
   scratch.candidates.rebuild(state.bodies, rigid_motion(state.bodies, state.clock.time()),
                              physics.contacts.features, state.contacts);
   scratch.list_age = 0;
@@ -139,23 +148,22 @@ void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inher
   place_spheres(bodies);
   // Springs keep their forces: their lengths scale with the inverse of the stiffness.
   const double ratio = state.k_n > 0.0 ? state.k_n / physics.k_n : 1.0;
-  const auto rescaled = [ratio](std::vector<ContactRecord> records) {
-    for (ContactRecord& r : records) {
-      r.memory.slide = ratio * r.memory.slide;
-      r.memory.roll = ratio * r.memory.roll;
-      r.memory.twist *= ratio;
+  const auto rescale = [ratio](auto& contacts) {
+    for (auto& c : contacts) {
+      c.memory.slide = ratio * c.memory.slide;
+      c.memory.roll = ratio * c.memory.roll;
+      c.memory.twist *= ratio;
     }
-    return records;
   };
-  const std::vector<ContactRecord> contacts = rescaled(inherited);
-  const std::vector<ContactRecord> walls = rescaled(state.walls.records());
+  std::vector<ContactRecord> contacts = inherited;
+  rescale(contacts);
+  rescale(state.walls.contacts);
   state.contacts = ContactList{};
   prepare_scratch(physics, state, scratch);
   state.contacts.restore(contacts);
   for (std::size_t slot = 0; slot < state.contacts.slots(); ++slot)
     if (state.contacts.touching(slot)) set_damping(bodies, physics.contacts, state.contacts, slot);
-  state.walls.restore(walls);
-  for (const ContactRecord& r : walls) state.walls.set_damping(bodies, physics.contacts, r.j, r.i);
+  state.walls.renew_damping(bodies, physics.contacts, state.clock.time());
   state.k_n = physics.k_n;
 
   // A sweep of no duration: no spring grows, dashpots see the present velocities.

@@ -23,6 +23,7 @@ using PhaseTimes = std::array<double, kPhaseNames.size()>;
 struct Scratch {
   Candidates candidates;
   std::uint64_t list_age = 0;  ///< steps since the candidates were found
+  WallCandidates wall_candidates;
   std::vector<SphereMotion> motions;
   std::vector<Vec3> spin_mid;
   std::vector<std::uint8_t> everyone;  ///< marks all bodies

@@ -21,7 +21,7 @@ TEST(TimeStep, TooLongIsRefusedAndForcedEndsWithAReadableFile) {
   EXPECT_TRUE(refused(cairn(folder, {"run", "long.toml"}), {"time_step 8 s", "longest safe one is"}));
   EXPECT_FALSE(fs::exists(folder / "long.h5"));
   // The blow throws the balls up; they fall back and through the floor.
-  const std::string floor = "\n[[plane]]\npoint = [0, 0, -1]\n";
+  const std::string floor = "\n[[wall]]\nkind = \"plane\"\npoint = [0, 0, -1]\n";
   folder.write("forced.toml", with(with(stiff, "duration = 3", "duration = 3000"), "method = \"none\"",
                                    "method = \"none\"\nfield = [0, 0, -0.01]") +
                                   "time_step = 8\nunsafe_time_step = true\n" + floor);

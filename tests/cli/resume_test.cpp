@@ -76,6 +76,30 @@ TEST_F(Resume, AfterKillsAtRandomMoments) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "killed.h5.part"));
 }
 
+/// Grains in a box of triangles that is shaken and turned.
+class ResumeInABox : public Resume {
+ protected:
+  ResumeInABox() {
+    folder_.write(
+        "box.off",
+        "OFF\n8 6 0\n-6 -6 -6\n6 -6 -6\n-6 6 -6\n6 6 -6\n-6 -6 6\n6 -6 6\n-6 6 6\n6 6 6\n4 0 1 3 2\n"
+        "4 4 5 7 6\n4 0 1 5 4\n4 2 3 7 6\n4 0 2 6 4\n4 1 3 7 5\n");
+    scene_ = folder_.write("box.toml", kBox);
+  }
+};
+
+TEST_F(ResumeInABox, WithoutTheFileOfTheMesh) {
+  const Outcome first = cairn(folder_, {"run", scene_, "-o", "stopped.h5"},
+                              {.stop = Stop{SIGINT, 0.7, folder_ / "stopped.h5"}});
+  ASSERT_EQ(first.code, 130) << first.err;
+  EXPECT_TRUE(contents(folder_ / "stopped.h5").contains("/checkpoint/walls/feature"));
+  std::filesystem::remove(folder_ / "box.off");
+  ASSERT_TRUE(succeeded(cairn(folder_, {"resume", "stopped.h5"})));
+  EXPECT_TRUE(same_bits(whole_, contents(folder_ / "stopped.h5")));
+  EXPECT_TRUE(
+      refused(cairn(folder_, {"run", scene_, "-o", "again.h5"}), {"wall[0].file", "no such mesh file"}));
+}
+
 TEST(Threads, OneAndTwoGiveTheSameBits) {
   const Folder folder;
   const std::string scene = folder.write("clouds.toml", kClouds);

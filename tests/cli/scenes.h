@@ -105,6 +105,42 @@ snapshot_interval = 13
 series_interval = 3
 )";
 
+/// Grains in a shaken and turning box of triangles ("box.off").
+inline const std::string kBox = R"(title = "Shaken box"
+seed = 4
+
+[[cloud]]
+count = 12
+filling = 0.2
+size = 0.7
+density = 2000
+[[cloud.shape]]
+shape = "tetrahedron"
+[[cloud.shape]]
+shape = "rod4"
+
+[[wall]]
+kind = "mesh"
+file = "box.off"
+oscillation_amplitude = [0.1, 0, 0.2]
+oscillation_frequency = 0.7
+angular_velocity = [0.3, 0.8, 0.1]
+
+[contact]
+stiffness = 1e8
+
+[gravity]
+method = "none"
+field = [0, 0, -10]
+
+[[stage]]
+name = "shake"
+duration = 60
+
+[output]
+snapshot_interval = 7
+)";
+
 /// Two spheres that meet; a run of a moment.
 inline const std::string kTwo = R"(title = "Two balls"
 

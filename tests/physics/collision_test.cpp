@@ -41,12 +41,11 @@ Blow meet(Experiment& e) {
   Inertia other;
   blow.arm_j = blow.velocity_j = blow.spin_j = Vec3::Zero();
   const Inertia first{1.0 / bodies.mass[0], inverse_inertia(bodies, 0)};
-  if (!e.state.walls.planes.empty()) {
-    const Plane& plane = e.state.walls.planes[0];
-    const std::uint32_t s = e.state.walls.records().front().i;
-    const Vec3 x = bodies.spheres.position[s];
-    blow.normal = -plane.normal;
-    blow.arm_i = x - (x - plane.point).dot(plane.normal) * plane.normal - bodies.position[0];
+  if (!e.state.walls.empty()) {
+    const Vec3 x = bodies.spheres.position[e.state.walls.contacts.front().sphere];
+    const WallTouch touch = e.state.walls.walls[0].nearest(x);
+    blow.normal = touch.n;
+    blow.arm_i = x + touch.arm * touch.n - bodies.position[0];
   } else {
     const ContactRecord r = e.state.contacts.records().front();
     const Vec3 a = bodies.spheres.position[r.i], b = bodies.spheres.position[r.j];
@@ -66,7 +65,7 @@ Blow meet(Experiment& e) {
   };
   blow.mass = 1.0 / (mobility(first, blow.arm_i) + mobility(other, blow.arm_j));
   blow.approach = point_velocity(bodies, 0, blow.arm_i).dot(blow.normal);
-  if (e.state.walls.planes.empty()) blow.approach -= point_velocity(bodies, 1, blow.arm_j).dot(blow.normal);
+  if (e.state.walls.empty()) blow.approach -= point_velocity(bodies, 1, blow.arm_j).dot(blow.normal);
   return blow;
 }
 
@@ -125,8 +124,8 @@ TEST(Blow, GivesTheRestitutionAskedForAndTheMomentaOfAnImpulse) {
           for (std::size_t b = a + 1; b < s.size(); ++b)
             if (s.body[a] != s.body[b])
               gap = std::min(gap, (s.position[a] - s.position[b]).norm() - s.radius[a] - s.radius[b]);
-          for (const Plane& p : e.state.walls.planes)
-            gap = std::min(gap, (s.position[a] - p.point).dot(p.normal) - s.radius[a]);
+          for (const Wall& wall : e.state.walls.walls)
+            gap = std::min(gap, wall.nearest(s.position[a]).arm - s.radius[a]);
         }
         const double safe = std::max(0.0, gap - 1e-5) / 0.02;  // no point moves faster than 2 cm/s
         for (Vec3& v : e.state.bodies.force) v.setZero();

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "pile/assemble.h"
+#include "sim/make_walls.h"
 #include "sim/step.h"
 
 namespace cairn {
@@ -18,14 +19,14 @@ struct Experiment {
   explicit Experiment(const std::string& text) : scene(parse_scene(text, "experiment.toml", ".")) {
     state.bodies = assemble(scene).bodies;
     state.remnant.assign(state.bodies.size(), 1);
-    state.walls.planes = make_planes(scene);
-    state.walls.resize(state.bodies.spheres.size());
+    state.walls.walls = make_walls(scene);
     place_spheres(state.bodies);
   }
 
   /// Resolves the stage for the bodies as they are now and evaluates the first wrenches.
   void begin() {
-    physics = resolve_physics(scene, 0, state.bodies, resolve_stiffness(scene, 0, state.bodies));
+    physics =
+        resolve_physics(scene, 0, state.bodies, resolve_stiffness(scene, 0, state.bodies, state.walls.walls));
     begin_stage(physics, {}, state, scratch);
     state.clock.steps = physics.steps;
     state.clock.dt = physics.contacts.dt;
@@ -38,7 +39,7 @@ struct Experiment {
   bool touching() const {
     for (std::size_t slot = 0; slot < state.contacts.slots(); ++slot)
       if (state.contacts.touching(slot)) return true;
-    return state.walls.touching() > 0;
+    return !state.walls.contacts.empty();
   }
 
   double kinetic_energy() const {
@@ -52,7 +53,7 @@ struct Experiment {
 
   double spring_energy() const {
     return stored_energy(state.bodies, physics.contacts, state.contacts) +
-           state.walls.stored_energy(state.bodies, physics.contacts);
+           state.walls.stored_energy(state.bodies, physics.contacts, state.clock.time());
   }
 };
 

@@ -37,7 +37,8 @@ inline std::string body(const Put& put) {
 
 /// A solid half-space through `point`; `normal` points out of it.
 inline std::string wall(const Vec3& normal = Vec3::UnitZ(), const Vec3& point = Vec3::Zero()) {
-  return fmt::format("[[plane]]\npoint = {}\nnormal = {}\nmaterial = 'surface'\n", toml(point), toml(normal));
+  return fmt::format("[[wall]]\nkind = 'plane'\npoint = {}\nnormal = {}\nmaterial = 'surface'\n", toml(point),
+                     toml(normal));
 }
 
 /// A scene of one stage. `contact` and `gravity` are the keys of those tables.

@@ -140,7 +140,6 @@ name = "second"
               .angular_velocity = layout.axial(grain.spin)});
   }
   e.state.remnant.assign(bodies.size(), 1);
-  e.state.walls.resize(bodies.spheres.size());
   e.begin();
   // One step for all: the choice of the program looks at the whole scene.
   e.physics.contacts.dt = 1e-3;

@@ -32,7 +32,9 @@ const std::vector<Material> kPlaneMaterials{
 /// Spheres and cubes that sink into a floor and a slope; some have touched before.
 struct Valley {
   Bodies bodies;
+  std::vector<PlaneSurface> planes{{{0.0, 0.0, 0.2}, Vec3::UnitZ()}, {{1.0, 0.0, 0.0}, Vec3(0.6, 0.0, 0.8)}};
   Walls walls;
+  WallCandidates candidates;
   SweepSettings settings;
   std::vector<SphereMotion> motions;
 
@@ -40,7 +42,7 @@ struct Valley {
     settings.dt = 1e-3;
     settings.features = features;
     settings.materials = 2;
-    walls.planes = {{{0.0, 0.0, 0.2}, Vec3::UnitZ(), 0}, {{1.0, 0.0, 0.0}, Vec3(0.6, 0.0, 0.8), 1}};
+    for (const PlaneSurface& plane : planes) walls.walls.push_back({plane, {}});
     walls.set_laws(kBodyMaterials, kPlaneMaterials, kStiffness);
     Random random(1, 0);
     std::vector<Vec3> spin_mid;
@@ -59,17 +61,17 @@ struct Valley {
       }
     }
     compute_motions(bodies, spin_mid, settings.dt, motions);
-    walls.resize(bodies.spheres.size());
+    candidates.resize(bodies);
     for (std::uint32_t s = 0; s < bodies.spheres.size(); ++s)
       for (std::uint32_t p = 0; p < 2; ++p) {
-        const auto spring = [&] { return triple(1e-3 * walls.planes[p].normal.cross(random.in_ball())); };
+        const auto spring = [&] { return triple(1e-3 * planes[p].normal.cross(random.in_ball())); };
         if (height(s, p) < bodies.spheres.radius[s] && random.uniform() < 0.5)
-          walls.restore({{s, p, {1e3, 2e3, spring(), spring(), random.uniform(-1e-3, 1e-3)}}});
+          walls.contacts.push_back({s, p, 0, {1e3, 2e3, spring(), spring(), random.uniform(-1e-3, 1e-3)}});
       }
   }
 
   double height(std::size_t s, std::size_t p) const {
-    return (bodies.spheres.position[s] - walls.planes[p].point).dot(walls.planes[p].normal);
+    return (bodies.spheres.position[s] - planes[p].point).dot(planes[p].normal);
   }
   PairLaw law(std::size_t s, std::size_t p) const {
     return make_pair_law(kBodyMaterials[settings.material[bodies.spheres.body[s]]], kPlaneMaterials[p],
@@ -78,9 +80,9 @@ struct Valley {
 };
 
 /// The memory of a touching pair; null when apart.
-const ContactMemory<double>* find(const std::vector<ContactRecord>& records, std::size_t s, std::size_t p) {
-  for (const ContactRecord& r : records)
-    if (r.i == s && r.j == p) return &r.memory;
+const ContactMemory<double>* find(const std::vector<WallContact>& contacts, std::size_t s, std::size_t p) {
+  for (const WallContact& c : contacts)
+    if (c.sphere == s && c.wall == p) return &c.memory;
   return nullptr;
 }
 
@@ -91,18 +93,18 @@ void expect_contact_by_contact(bool sphere_damping) {
   Bodies& bodies = valley.bodies;
   const Spheres& spheres = bodies.spheres;
   const double dt = valley.settings.dt;
-  const std::vector<ContactRecord> before = valley.walls.records();
+  const std::vector<WallContact> before = valley.walls.contacts;
   std::vector<Vec3> force = bodies.force, torque = bodies.torque;
-  std::vector<ContactRecord> after;
+  std::vector<WallContact> after;
   double dissipated = 0.0, deepest = 0.0, stored = 0.0, strongest = 0.0;
-  for (std::uint32_t p = 0; p < 2; ++p)
-    for (std::uint32_t s = 0; s < spheres.size(); ++s) {
+  for (std::uint32_t s = 0; s < spheres.size(); ++s)
+    for (std::uint32_t p = 0; p < 2; ++p) {
       const double arm = valley.height(s, p), radius = spheres.radius[s];
       if (arm >= radius) continue;
       const SphereMotion& m = valley.motions[s];
       const PairLaw law = valley.law(s, p);
       const std::uint32_t b = spheres.body[s];
-      const Vec3 n = -valley.walls.planes[p].normal, wm = vector(m.spin_mid), w = vector(m.spin);
+      const Vec3 n = -valley.planes[p].normal, wm = vector(m.spin_mid), w = vector(m.spin);
       const double arm_mid = arm + 0.5 * dt * vector(m.velocity_mid).dot(n);
       // The wall is at rest: the relative motion is that of the sphere, backwards.
       const Vec3 u = -vector(m.velocity) - w.cross(arm * n),
@@ -125,7 +127,7 @@ void expect_contact_by_contact(bool sphere_damping) {
       const Vec3 f = vector(action.force);
       force[b] += f;
       torque[b] += lever.cross(f) + vector(action.couple);
-      after.push_back({s, p, memory});
+      after.push_back({s, p, 0, memory});
       dissipated += action.dissipated;
       deepest = std::max(deepest, geometry.overlap / radius);
       stored += stored_energy<F>(LawConstants<double>(law), geometry.overlap, radius, memory);
@@ -134,20 +136,20 @@ void expect_contact_by_contact(bool sphere_damping) {
   ASSERT_GT(before.size(), 4u);
   ASSERT_GT(after.size(), before.size() + 4);
 
-  const SweepReport report = valley.walls.sweep(valley.motions, valley.settings, bodies);
+  const WallReport report =
+      valley.walls.sweep(valley.motions, valley.settings, 0.0, valley.candidates, bodies);
   EXPECT_NEAR(report.dissipated, dissipated, 1e-11 * std::abs(dissipated));
   EXPECT_NEAR(report.overlap_ratio, deepest, 1e-13);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     EXPECT_LT((bodies.force[b] - force[b]).norm(), 1e-11 * strongest);
     EXPECT_LT((bodies.torque[b] - torque[b]).norm(), 1e-11 * strongest);
   }
-  EXPECT_NEAR(valley.walls.stored_energy(bodies, valley.settings), stored, 1e-11 * stored);
-  EXPECT_EQ(valley.walls.touching(), after.size());
-  const std::vector<ContactRecord> records = valley.walls.records();
+  EXPECT_NEAR(valley.walls.stored_energy(bodies, valley.settings, 0.0), stored, 1e-11 * stored);
+  const std::vector<WallContact>& records = valley.walls.contacts;
   ASSERT_EQ(records.size(), after.size());
   for (std::size_t k = 0; k < records.size(); ++k) {
-    ASSERT_EQ(records[k].i, after[k].i);
-    ASSERT_EQ(records[k].j, after[k].j);
+    ASSERT_EQ(records[k].sphere, after[k].sphere);
+    ASSERT_EQ(records[k].wall, after[k].wall);
     const ContactMemory<double>&is = records[k].memory, &expected = after[k].memory;
     EXPECT_NEAR(is.c_n, expected.c_n, 1e-11 * expected.c_n);
     EXPECT_NEAR(is.c_s, expected.c_s, 1e-11 * expected.c_s);
@@ -166,9 +168,9 @@ TEST(Walls, ActContactByContactAsTheLawSays) {
 TEST(Walls, SpringsOfASphereThatLeavesAreLostAndCounted) {
   Valley valley(kWholeCohesion);
   double springs = 0.0;
-  for (const ContactRecord& r : valley.walls.records()) {
-    const PairLaw law = valley.law(r.i, r.j);
-    const double patch2 = std::pow(law.beta * valley.bodies.spheres.radius[r.i], 2);
+  for (const WallContact& r : valley.walls.contacts) {
+    const PairLaw law = valley.law(r.sphere, r.wall);
+    const double patch2 = std::pow(law.beta * valley.bodies.spheres.radius[r.sphere], 2);
     springs += 0.5 * law.k_s * vector(r.memory.slide).squaredNorm() +
                0.5 * law.k_n * patch2 * vector(r.memory.roll).squaredNorm() +
                law.k_s * patch2 * r.memory.twist * r.memory.twist;
@@ -177,10 +179,10 @@ TEST(Walls, SpringsOfASphereThatLeavesAreLostAndCounted) {
   for (Vec3& x : valley.bodies.position) x.z() += 10.0;
   place_spheres(valley.bodies);
   const std::vector<Vec3> before = valley.bodies.force;
-  EXPECT_NEAR(valley.walls.sweep(valley.motions, valley.settings, valley.bodies).dissipated, springs,
-              1e-12 * springs);
-  EXPECT_EQ(valley.walls.touching(), 0u);
-  EXPECT_EQ(valley.walls.stored_energy(valley.bodies, valley.settings), 0.0);
+  const WallReport report =
+      valley.walls.sweep(valley.motions, valley.settings, 0.0, valley.candidates, valley.bodies);
+  EXPECT_NEAR(report.dissipated, springs, 1e-12 * springs);
+  EXPECT_TRUE(valley.walls.contacts.empty());
   EXPECT_EQ(valley.bodies.force, before);
 }
 

@@ -84,7 +84,7 @@ checkpoint_interval = 60
 remnant_gap = 0.2
 )";
 
-// Single bodies on a plane, and the pile of another run.
+// Single bodies among walls of every kind, and the pile of another run.
 inline const char* const kBodyScene = R"(
 pile = "rubble.h5"
 [[body]]
@@ -96,10 +96,33 @@ position = [0, 0, 5]
 velocity = [1, 2, 3]
 angular_velocity = [0.1, 0.2, 0.3]
 orientation = [0, 0, 0, 2]
-[[plane]]
+[[wall]]
+kind = "plane"
 point = [0, 0, 1]
 normal = [0, 3, 4]
 material = "stone"
+velocity = [0, 0.1, 0]
+[[wall]]
+kind = "cylinder"
+point = [5, 0, 0]
+axis = [0, 2, 0]
+radius = 12
+side = "outside"
+angular_velocity = [0, 0.5, 0]
+rotation_point = [5, 0, 1]
+[[wall]]
+kind = "mesh"
+file = "bowl.stl"
+unit = 0.001
+point = [0, 0, -9]
+oscillation_amplitude = [0, 0, 0.01]
+oscillation_frequency = 20
+oscillation_phase = 1.5
+[[wall]]
+kind = "sphere"
+radius = 100
+angular_velocity = [0, 0, 1]
+point = [1, 2, 3]
 [[material]]
 name = "stone"
 [[stage]]
@@ -117,7 +140,8 @@ count = 1
 size = 1
 density = 1000
 shape = [{ shape = "sphere" }]
-[[plane]]
+[[wall]]
+kind = "plane"
 [[stage]]
 name = "only"
 duration = 1

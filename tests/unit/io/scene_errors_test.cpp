@@ -71,8 +71,8 @@ TEST(SceneErrors, WrongTypes) {
        {"[[material]]\nname = 5", "s.toml:8:8: key 'material[0].name': expected a string, found an integer"},
        {"[material]\nname = 'x'", "s.toml:7:1: key 'material': expected tables [[material]], found a table"},
        {"[[gravity]]", "s.toml:7:1: key 'gravity': expected a table [gravity], found an array"},
-       {"[[plane]]\n[[cloud]]\nshape = ['sphere']",
-        "s.toml:9:10: key 'cloud[0].shape[0]': expected a table [cloud.shape], found a string"},
+       {"[[wall]]\nkind = 'plane'\n[[cloud]]\nshape = ['sphere']",
+        "s.toml:10:10: key 'cloud[0].shape[0]': expected a table [cloud.shape], found a string"},
        {"[stage.spin]\npath = [[0, 1, 2]]",
         "s.toml:8:9: key 'stage[0].spin.path[0]': expected an array of 2 numbers in s, found an array of 3"},
        {"[stage.spin]\npath = 3",
@@ -144,8 +144,8 @@ TEST(SceneErrors, Materials) {
   EXPECT_EQ(error_of(kGood + two),
             "s.toml:1:1: key 'body[0].material': missing key; required because there are several materials, "
             "expected 'ice' or 'rock'");
-  EXPECT_EQ(error_of(kGood + "[[plane]]\nmaterial = 'nominl'"),
-            "s.toml:8:12: key 'plane[0].material': no [[material]] is called 'nominl'; did you mean "
+  EXPECT_EQ(error_of(kGood + "[[wall]]\nkind = 'plane'\nmaterial = 'nominl'"),
+            "s.toml:9:12: key 'wall[0].material': no [[material]] is called 'nominl'; did you mean "
             "'nominal'?");
   EXPECT_EQ(error_of(kGood + "material = 'wood'\n[[material]]\nname = 'ice'"),
             "s.toml:7:12: key 'stage[0].material': no [[material]] is called 'wood'; expected 'ice'");
@@ -177,10 +177,40 @@ TEST(SceneErrors, Clouds) {
 }
 
 TEST(SceneErrors, Directions) {
-  expect_errors(kGood, {{"[[plane]]\nnormal = [0, 0, 0]",
-                         "s.toml:8:10: key 'plane[0].normal': expected a vector other than zero"},
+  expect_errors(kGood, {{"[[wall]]\nkind = 'plane'\nnormal = [0, 0, 0]",
+                         "s.toml:9:10: key 'wall[0].normal': expected a vector other than zero"},
                         {"[[body]]\nshape = 'a'\ndensity = 1\norientation = [0, 0, 0, 0.0]",
                          "s.toml:10:15: key 'body[1].orientation': expected a vector other than zero"}});
+}
+
+TEST(SceneErrors, WallsHaveTheKeysOfTheirKind) {
+  expect_errors(
+      kGood,
+      {{"[[wall]]\npoint = [0, 0, 1]",
+        "s.toml:7:1: key 'wall[0].kind': missing key; table 'wall[0]' that starts on line 7 requires it "
+        "(string)"},
+       {"[[wall]]\nkind = 'box'",
+        "s.toml:8:8: key 'wall[0].kind': expected 'plane', 'sphere', 'cylinder' or 'mesh', found 'box'"},
+       {"[[wall]]\nkind = 'sphere'",
+        "s.toml:7:1: key 'wall[0].radius': missing key; required because the kind is 'sphere' or "
+        "'cylinder'"},
+       {"[[wall]]\nkind = 'mesh'",
+        "s.toml:7:1: key 'wall[0].file': missing key; required because the kind is 'mesh'"},
+       {"[[wall]]\nkind = 'plane'\nradius = 3",
+        "s.toml:9:10: key 'wall[0].radius': has no effect unless the kind is 'sphere' or 'cylinder'"},
+       {"[[wall]]\nkind = 'sphere'\nradius = 3\naxis = [0, 0, 1]",
+        "s.toml:10:8: key 'wall[0].axis': has no effect unless the kind is 'cylinder'"},
+       {"[[wall]]\nkind = 'cylinder'\nradius = 3\nfile = 'a.stl'",
+        "s.toml:10:8: key 'wall[0].file': has no effect unless the kind is 'mesh'"},
+       {"[[wall]]\nkind = 'cylinder'\nradius = 3\naxis = [0, 0, 0]",
+        "s.toml:10:8: key 'wall[0].axis': expected a vector other than zero"},
+       {"[[wall]]\nkind = 'plane'\noscillation_amplitude = [0, 0, 1]",
+        "s.toml:7:1: key 'wall[0].oscillation_frequency': missing key; required because there is an "
+        "oscillation_amplitude"},
+       {"[[wall]]\nkind = 'plane'\noscillation_phase = 1",
+        "s.toml:9:21: key 'wall[0].oscillation_phase': has no effect without oscillation_amplitude"},
+       {"[[wall]]\nkind = 'plane'\nrotation_point = [0, 0, 1]",
+        "s.toml:9:18: key 'wall[0].rotation_point': has no effect without angular_velocity"}});
 }
 
 TEST(SceneErrors, Stages) {

@@ -101,7 +101,7 @@ TEST(Scene, StagesAndOutputArrive) {
   EXPECT_EQ(scene.output.remnant_gap, 0.2);
 }
 
-TEST(Scene, BodiesAndPlanesArriveWithUnitDirections) {
+TEST(Scene, BodiesAndWallsArriveWithUnitDirections) {
   const Scene scene = parse(kBodyScene);
   EXPECT_EQ(scene.pile, "rubble.h5");
   ASSERT_EQ(scene.bodies.size(), 1u);
@@ -114,10 +114,27 @@ TEST(Scene, BodiesAndPlanesArriveWithUnitDirections) {
   EXPECT_EQ(body.velocity, Vec3(1, 2, 3));
   EXPECT_EQ(body.angular_velocity, Vec3(0.1, 0.2, 0.3));
   EXPECT_EQ(body.orientation.coeffs(), Quat(0, 0, 0, 1).coeffs());
-  ASSERT_EQ(scene.planes.size(), 1u);
-  EXPECT_EQ(scene.planes[0].point, Vec3(0, 0, 1));
-  EXPECT_LT((scene.planes[0].normal - Vec3(0, 0.6, 0.8)).norm(), 1e-15);
-  EXPECT_EQ(scene.planes[0].material, "stone");
+  ASSERT_EQ(scene.walls.size(), 4u);
+  EXPECT_EQ(scene.walls[0].velocity, Vec3(0, 0.1, 0));
+  EXPECT_EQ(scene.walls[0].point, Vec3(0, 0, 1));
+  EXPECT_LT((scene.walls[0].normal - Vec3(0, 0.6, 0.8)).norm(), 1e-15);
+  EXPECT_EQ(scene.walls[0].material, "stone");
+  const WallSpec &drum = scene.walls[1], &bowl = scene.walls[2], &ball = scene.walls[3];
+  EXPECT_EQ(drum.kind, WallKind::cylinder);
+  EXPECT_EQ(drum.axis, Vec3::UnitY());
+  EXPECT_EQ(drum.radius, 12.0);
+  EXPECT_EQ(drum.side, WallSide::outside);
+  EXPECT_EQ(drum.angular_velocity, Vec3(0, 0.5, 0));
+  EXPECT_EQ(drum.rotation_point, Vec3(5, 0, 1));
+  EXPECT_EQ(bowl.kind, WallKind::mesh);
+  EXPECT_EQ(bowl.file, "bowl.stl");
+  EXPECT_EQ(bowl.unit, 0.001);
+  EXPECT_EQ(bowl.oscillation_amplitude, Vec3(0, 0, 0.01));
+  EXPECT_EQ(bowl.oscillation_frequency, 20.0);
+  EXPECT_EQ(bowl.oscillation_phase, 1.5);
+  EXPECT_EQ(ball.kind, WallKind::sphere);
+  EXPECT_EQ(ball.side, WallSide::inside);
+  EXPECT_EQ(ball.rotation_point, Vec3(1, 2, 3));  // turns about its centre unless told otherwise
 }
 
 TEST(Scene, LeftOutKeysKeepTheDefaultsOfTheStructs) {
@@ -130,7 +147,7 @@ TEST(Scene, LeftOutKeysKeepTheDefaultsOfTheStructs) {
   EXPECT_EQ(scene.bodies[0].orientation.coeffs(), BodySpec{}.orientation.coeffs());
   EXPECT_EQ(scene.clouds[0].filling, CloudSpec{}.filling);
   EXPECT_EQ(scene.clouds[0].exponent, CloudSpec{}.exponent);
-  EXPECT_EQ(scene.planes[0].normal, PlaneSpec{}.normal);
+  EXPECT_EQ(scene.walls[0].normal, WallSpec{}.normal);
   EXPECT_EQ(scene.contact.stiffness, plain.contact.stiffness);
   EXPECT_EQ(scene.contact.steps_per_contact, plain.contact.steps_per_contact);
   EXPECT_EQ(scene.contact.overlap_limit, plain.contact.overlap_limit);
@@ -148,13 +165,13 @@ TEST(Scene, WithoutMaterialsTheNominalOneIsSupplied) {
   EXPECT_EQ(scene.materials[0].friction, Material{}.friction);
   EXPECT_EQ(scene.bodies[0].material, "nominal");
   EXPECT_EQ(scene.clouds[0].material, "nominal");
-  EXPECT_EQ(scene.planes[0].material, "nominal");
+  EXPECT_EQ(scene.walls[0].material, "nominal");
 }
 
 TEST(Scene, TheOnlyMaterialIsUsed) {
   const Scene scene = parse(std::string(kShortScene) + "[[material]]\nname = \"ice\"\n");
   EXPECT_EQ(scene.bodies[0].material, "ice");
-  EXPECT_EQ(scene.planes[0].material, "ice");
+  EXPECT_EQ(scene.walls[0].material, "ice");
   EXPECT_EQ(scene.materials.size(), 1u);
 }
 

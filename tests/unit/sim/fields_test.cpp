@@ -32,7 +32,7 @@ State state_of_many_numbers() {
   s.remnant = {1, 0, 1};
   s.clock = {2, 30, 40, 500, number(), number()};
   s.control = {true, true, number(), number(), number(), number()};
-  s.ledger = {number(), number(), vector(), number(), number(), vector(), vector()};
+  s.ledger = {number(), number(), number(), number(), vector(), number(), number(), vector(), vector()};
   s.k_n = number();
   return s;
 }
@@ -57,17 +57,26 @@ void expect_same(const std::vector<ContactRecord>& a, const std::vector<ContactR
 TEST(Checkpoint, HoldsTheWholeState) {
   const Folder folder;
   State s = state_of_many_numbers();
-  ContactColumns contacts, walls;
+  ContactColumns contacts;
+  WallColumns walls;
   contacts.assign(two_contacts(1.0));
-  walls.assign(two_contacts(100.0));
+  std::vector<WallContact> touches;
+  for (const ContactRecord& r : two_contacts(100.0)) touches.push_back({r.i, r.j, r.i + 7, r.memory});
+  walls.assign(touches);
   ResultFile file = ResultFile::create(folder / "state.h5", {}, false);
   file.commit(checkpoint_fields(s, contacts, walls));
 
   State r;
-  ContactColumns contacts_read, walls_read;
+  ContactColumns contacts_read;
+  WallColumns walls_read;
   file.read_checkpoint(checkpoint_fields(r, contacts_read, walls_read));
   expect_same(contacts_read.records(), two_contacts(1.0));
-  expect_same(walls_read.records(), two_contacts(100.0));
+  std::vector<ContactRecord> walls_back;
+  for (const WallContact& w : walls_read.contacts()) {
+    walls_back.push_back({w.sphere, w.wall, w.memory});
+    EXPECT_EQ(w.feature, w.sphere + 7);
+  }
+  expect_same(walls_back, two_contacts(100.0));
   EXPECT_EQ(r.bodies.position, s.bodies.position);
   EXPECT_EQ(r.bodies.velocity, s.bodies.velocity);
   EXPECT_EQ(r.bodies.spin, s.bodies.spin);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "shape/library.h"
+#include "sim/make_walls.h"
 
 namespace cairn {
 namespace {
@@ -39,8 +40,7 @@ duration = 10
     add_body(state.bodies, ball, 1, 1.0, 2000.0, 0,
              {.position = {30.0, 0.0, 0.0}, .velocity = {0.0, 2.0, 0.0}});
     state.remnant.assign(3, 1);
-    state.walls.planes = make_planes(scene);
-    state.walls.resize(state.bodies.spheres.size());
+    state.walls.walls = make_walls(scene);
     physics = resolve_physics(scene, 0, state.bodies, 1e6);
     begin_stage(physics, {}, state, scratch);
     state.clock.dt = physics.contacts.dt;
@@ -102,7 +102,7 @@ TEST(Observe, EnergiesAndMomenta) {
 }
 
 TEST(Observe, WallsCountAsContactsAndEndConservation) {
-  Sight sight("[[plane]]\npoint = [0, 0, -0.995]\n");
+  Sight sight("[[wall]]\nkind = 'plane'\npoint = [0, 0, -0.995]\n");
   const Observation o = sight.look();
   EXPECT_EQ(o.contacts, 2.0 + 5.0);
   EXPECT_DOUBLE_EQ(o.coordination, 4.0 / 5.0);

@@ -20,7 +20,8 @@ constexpr const char* kScene = R"(
 shape = "sphere"
 density = 2000
 material = "rock"
-[[plane]]
+[[wall]]
+kind = "plane"
 material = "rock"
 [[material]]
 name = "rock"
@@ -94,14 +95,15 @@ TEST(Run, StoppedAndResumedOnAFloorGivesTheSameBits) {
   for (const SeriesColumn& column : series_columns())
     EXPECT_TRUE(same_bits(whole.read_series(column.name), pieces.read_series(column.name))) << column.name;
   State a, b;
-  ContactColumns contacts_a, contacts_b, walls_a, walls_b;
+  ContactColumns contacts_a, contacts_b;
+  WallColumns walls_a, walls_b;
   whole.read_checkpoint(checkpoint_fields(a, contacts_a, walls_a));
   pieces.read_checkpoint(checkpoint_fields(b, contacts_b, walls_b));
   EXPECT_EQ(a.bodies.position, b.bodies.position);
   EXPECT_EQ(a.bodies.spin, b.bodies.spin);
-  EXPECT_GE(walls_a.slide.size(), 3u);  // both bodies are on the floor
-  EXPECT_EQ(walls_a.slide, walls_b.slide);
-  EXPECT_EQ(walls_a.roll, walls_b.roll);
+  EXPECT_GE(walls_a.memory.slide.size(), 3u);  // both bodies are on the floor
+  EXPECT_EQ(walls_a.memory.slide, walls_b.memory.slide);
+  EXPECT_EQ(walls_a.memory.roll, walls_b.memory.roll);
   EXPECT_EQ(whole.snapshots().size(), pieces.snapshots().size());
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "shape/library.h"
+#include "sim/make_walls.h"
 #include "sim/step.h"
 
 namespace cairn {
@@ -22,7 +23,8 @@ struct TwoOnFloor {
 [[body]]
 shape = "sphere"
 density = 2000
-[[plane]]
+[[wall]]
+kind = "plane"
 point = [0, 0, -0.99]
 {}
 )",
@@ -32,11 +34,11 @@ point = [0, 0, -0.99]
     for (const double x : {0.0, 1.99})
       add_body(state.bodies, ball, 0, 1.0, 2000.0, 0, {.position = {x, 0.0, 0.0}});
     state.remnant.assign(2, 1);
-    state.walls.planes = make_planes(scene);
-    state.walls.resize(2);
+    state.walls.walls = make_walls(scene);
   }
   void begin(const std::vector<ContactRecord>& inherited) {
-    physics = resolve_physics(scene, 0, state.bodies, resolve_stiffness(scene, 0, state.bodies));
+    physics =
+        resolve_physics(scene, 0, state.bodies, resolve_stiffness(scene, 0, state.bodies, state.walls.walls));
     begin_stage(physics, inherited, state, scratch);
     state.clock.steps = physics.steps;
     state.clock.dt = physics.contacts.dt;
@@ -55,12 +57,13 @@ duration = 1
 )");
   const ContactMemory<double> old{1.0, 2.0, {0.0, 2e-4, 0.0}, {0.0, 4e-4, 0.0}, 8e-4};
   two.state.k_n = 1e5;
-  two.state.walls.restore({{1, 0, old}});
+  two.state.walls.contacts = {{1, 0, 0, old}};
   two.begin({{0, 1, old}});
   EXPECT_EQ(two.state.k_n, 4e5);
   // In the plane a ball has 1 + 2.5 a^2 times the mobility of its mass; a is the lever arm of the contact.
   const double damping = damping_ratio(0.55), mass = two.state.bodies.mass[0];
-  const auto pairs = two.state.contacts.records(), walls = two.state.walls.records();
+  const auto pairs = two.state.contacts.records();
+  const auto& walls = two.state.walls.contacts;
   ASSERT_EQ(pairs.size(), 1u);
   ASSERT_EQ(walls.size(), 2u);  // the other ball touches for the first time
   for (const auto& [m, mu, arm] :
@@ -125,7 +128,7 @@ control_interval = 2e-3
 include_shed = {}
 )",
                                include_shed));
-    two.state.walls.planes.clear();
+    two.state.walls.walls.clear();
     two.state.bodies.position[1].x() = 50.0;
     two.state.remnant = {1, 0};
     two.state.clock.stage_start = 40.0;  // the path counts from there

@@ -1,0 +1,30 @@
+#include "contact/wall/motion.h"
+
+#include <cmath>
+
+namespace cairn {
+
+bool WallMotion::moves() const {
+  return velocity != Vec3::Zero() || amplitude != Vec3::Zero() || spin != Vec3::Zero();
+}
+
+WallPose WallMotion::pose(double time) const {
+  const double omega = 2.0 * kPi * frequency, angle = omega * time + phase;
+  WallPose pose;
+  pose.shift = time * velocity + std::sin(angle) * amplitude;
+  pose.velocity = velocity + omega * std::cos(angle) * amplitude;
+  pose.center = center;
+  pose.spin = spin;
+  pose.turned = spin != Vec3::Zero();
+  if (pose.turned) {
+    const double rate = spin.norm();
+    pose.turn = Eigen::AngleAxisd(rate * time, spin / rate).toRotationMatrix();
+  }
+  return pose;
+}
+
+double WallMotion::greatest_speed(double reach) const {
+  return velocity.norm() + 2.0 * kPi * frequency * amplitude.norm() + spin.norm() * reach;
+}
+
+}  // namespace cairn

@@ -1,0 +1,28 @@
+// Triangle meshes: containers and obstacles read from files.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <vector>
+
+#include "core/math.h"
+
+namespace cairn {
+
+/// A surface of triangles, open or closed. Triangles that meet share their vertices.
+struct TriangleMesh {
+  std::vector<Vec3> vertices;                           ///< m
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices into `vertices`
+};
+
+/// Reads an OBJ, STL, PLY or OFF file whose lengths are in units of `unit` metres. Polygons are cut into
+/// triangles; vertices closer than a millionth of the mesh's extent become one; triangles without area and
+/// copies of a triangle are left out. Coordinates have single precision (assimp).
+/// @throws InputError "FILE: what is wrong" when the file cannot be read or holds no triangle.
+TriangleMesh load_mesh(const std::filesystem::path& path, double unit);
+
+/// The same surface with vertices within `tolerance` (m) of each other welded, without triangles that have no
+/// area or repeat another's vertices. Vertices that no triangle uses are left out.
+TriangleMesh weld(const TriangleMesh& mesh, double tolerance);
+
+}  // namespace cairn
