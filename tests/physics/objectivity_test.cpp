@@ -93,7 +93,7 @@ TEST(Objectivity, RigidRotationChangesNeitherEnergyNorCouple) {
           fmt::format("{}, {}, 1e5 steps of 1e-3 rad", aggregates ? "two dumbbells" : "two spheres", name);
       report::error(what + ": change of the stored energy, relative", "rigid rotation", d.energy, 1e-10);
       report::error(what + ": change of the torque on a body, relative", "rigid rotation", d.couple, 1e-10);
-      report::error(what + ": the same with its direction", "rigid rotation", d.direction, 1e-10);
+      report::error(what + ": the same with its direction", "rigid rotation", d.direction, 1e-9);
     }
 }
 

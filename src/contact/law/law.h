@@ -118,11 +118,10 @@ CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const Contact
   action.dissipated = memory.c_n * u_n_mid * u_n_mid * dt;
   if constexpr (!F.tangential) return action;
 
-  const T limit_s = law.friction * max(press, zero);
-  // Limits in mid-step over those at its end: the ledger takes the work of the sliders there.
-  const T press_mid = fma(law.k_n, fma(T(0.5) * dt, u_n_mid, geometry.overlap), -(memory.c_n * u_n_mid));
-  const auto pressed = press > zero;
-  const T earlier = min(max(press_mid, zero) / select(pressed, press, T(1.0)), T(4.0));
+  const T pressed = max(press, zero);
+  // The same in mid-step, for the ledger.
+  const T pressed_mid =
+      max(fma(law.k_n, fma(T(0.5) * dt, u_n_mid, geometry.overlap), -(memory.c_n * u_n_mid)), zero);
   // Rotation of the springs over half a step, by the angle whose tangent is |half|.
   const Triple<T> half = (T(0.5) * dt) * motion.turn;
   const T secant = sqrt(T(1.0) + dot(half, half));
@@ -131,28 +130,29 @@ CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const Contact
     return flatten(rotate(half, sine, versine, fma(dt, rate, rotate(half, sine, versine, spring))), n);
   };
   // Spring, dashpot, slider: the spring is shortened to what the slider holds, then the sum is cut to the
-  // limit.
-  const auto slide = [&](T stiffness, T damping, T limit, Triple<T> & spring, const Triple<T>& rate,
+  // limit, `hold` times the pressing force. The work lost is, to second order, that done on the drag of
+  // mid-step less what the spring has gained.
+  const auto slide = [&](T stiffness, T damping, T hold, Triple<T> & spring, const Triple<T>& rate,
                          const Triple<T>& rate_mid) __attribute__((always_inline)) {
-    const T length2 = dot(spring, spring), stretch = dt * dot(rate_mid, spring);
+    const T limit = hold * pressed;
+    const T length2 = dot(spring, spring), stretch = dt * dot(rate_mid, spring),
+            way2 = dt * dt * dot(rate_mid, rate_mid);
     const T keep = cut(limit, stiffness * stiffness * length2);
+    const T half_stiffness = T(0.5) * stiffness;
+    const Triple<T> drag_mid =
+        fma(half_stiffness, fma(T(1.0) + keep, spring, -dt * rate_mid), damping * rate_mid);
+    const T work = cut(hold * pressed_mid, dot(drag_mid, drag_mid)) * dt * dot(drag_mid, rate_mid);
+    const T gain = fma(fma(keep, keep, T(-1.0)), length2, T(2.0) * stretch - way2);
+    action.dissipated += fma(-half_stiffness, gain, work);
     spring = keep * spring;
-    const Triple<T> elastic = stiffness * spring;
-    const Triple<T> sum = fma(damping, rate, elastic);
-    const T share = cut(limit, dot(sum, sum));
-    // The work lost, to second order: of the dashpot at the rate of mid-step, and of the spring, which gives
-    // way by (1 - keep) of its length under the mean of its forces before and after the step.
-    const T share_mid = select(share < T(1.0), share * earlier, share);
-    const Triple<T> dashpot = share_mid * fma(damping, rate_mid, elastic) - elastic;
-    const T give = (T(1.0) - keep) * fma(T(1.0) + keep, length2, -stretch);
-    action.dissipated += fma(dot(dashpot, rate_mid), dt, T(0.5) * stiffness * give);
-    return share * sum;
+    const Triple<T> sum = fma(damping, rate, stiffness * spring);
+    return cut(limit, dot(sum, sum)) * sum;
   };
 
   const Triple<T> u_t = fma(-u_n, n, motion.u);
   const Triple<T> u_t_mid = fma(-u_n_mid, n_mid, motion.u_mid);
   memory.slide = advance(memory.slide, u_t_mid);
-  action.force = action.force + slide(law.k_s, memory.c_s, limit_s, memory.slide, u_t, u_t_mid);
+  action.force = action.force + slide(law.k_s, memory.c_s, law.friction, memory.slide, u_t, u_t_mid);
 
   if constexpr (F.rolling || F.twisting) {
     const T patch = law.beta * geometry.radius;
@@ -166,20 +166,21 @@ CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const Contact
         w_r = fma(geometry.slip_lever, cross(n, u_t), w_r);
         w_r_mid = fma(geometry.slip_lever, cross(n_mid, u_t_mid), w_r_mid);
       }
-      const T limit_r = law.rolling * geometry.radius * max(press, zero);
       memory.roll = advance(memory.roll, w_r_mid);
-      action.couple = slide(law.k_n * patch2, memory.c_n * patch2, limit_r, memory.roll, w_r, w_r_mid);
+      action.couple = slide(law.k_n * patch2, memory.c_n * patch2, law.rolling * geometry.radius, memory.roll,
+                            w_r, w_r_mid);
     }
     if constexpr (F.twisting) {
-      const T limit_t = law.twisting * geometry.radius * max(press, zero);
+      const T hold = law.twisting * geometry.radius, limit = hold * pressed, limit_mid = hold * pressed_mid;
       const T stiffness = T(2.0) * law.k_s * patch2, damping = T(2.0) * memory.c_s * patch2;
-      const T before = fma(dt, w_n_mid, memory.twist);
-      memory.twist = cut(limit_t, stiffness * stiffness * before * before) * before;
-      const T elastic = stiffness * memory.twist;
-      const auto held = [&](T rate) { return max(-limit_t, min(limit_t, fma(damping, rate, elastic))); };
-      const T give = (before - memory.twist) * (before + memory.twist - dt * w_n_mid);
-      action.dissipated += fma((held(w_n_mid) - elastic) * w_n_mid, dt, T(0.5) * stiffness * give);
-      action.couple = fma(held(w_n), n, action.couple);
+      const T before = memory.twist, grown = fma(dt, w_n_mid, before);
+      const T after = cut(limit, stiffness * stiffness * grown * grown) * grown;
+      const T drag_mid = fma(damping, w_n_mid, T(0.5) * stiffness * (before + after));
+      action.dissipated += fma(max(-limit_mid, min(limit_mid, drag_mid)) * w_n_mid, dt,
+                               T(0.5) * stiffness * (before - after) * (before + after));
+      memory.twist = after;
+      const T couple = max(-limit, min(limit, fma(damping, w_n, stiffness * after)));
+      action.couple = fma(couple, n, action.couple);
     }
   }
   return action;
