@@ -19,6 +19,7 @@ struct Options {
 double time_step_cost(const Scene& scene, const Setup& setup, const Physics& physics) {
   State state;
   state.bodies = setup.bodies;
+  state.box = setup.box;
   state.remnant.assign(state.bodies.size(), 1);
   state.walls.planes = make_planes(scene);
   state.walls.resize(state.bodies.spheres.size());
@@ -56,7 +57,8 @@ void check(const Options& options) {
     fmt::print(
         "stage {} '{}'\n  models     {}\n  stiffness  {:.4g} N/m; shortest contact {:.4g} s\n"
         "  time step  {:.4g} s (longest safe {:.4g} s), {} steps for {:.6g} s\n",
-        k, scene.stages[k].name, describe_models(physics, setup.bodies, !scene.planes.empty()), physics.k_n,
+        k, scene.stages[k].name,
+        describe_models(physics, setup.bodies, !scene.planes.empty(), setup.box.periodic()), physics.k_n,
         physics.contact_time, physics.contacts.dt, kLongestSafeStep * physics.contact_time, physics.steps,
         scene.stages[k].duration);
   }

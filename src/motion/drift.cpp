@@ -1,7 +1,10 @@
 #include "motion/drift.h"
 
+#include <atomic>
 #include <cmath>
+#include <limits>
 
+#include "body/cells.h"
 #include "core/parallel.h"
 
 namespace cairn {
@@ -60,8 +63,13 @@ void kick(Bodies& bodies, double dt) {
 
 void drift(Bodies& bodies, double dt, std::vector<Vec3>& spin_mid) {
   spin_mid.resize(bodies.size());
+  const double reach =
+      bodies.cell_edge > 0.0 ? kCellReach * bodies.cell_edge : std::numeric_limits<double>::infinity();
+  std::atomic<bool> left = false;
   parallel_for(bodies.size(), [&](std::size_t b) {
-    bodies.position[b] += dt * bodies.velocity[b];
+    Vec3& x = bodies.position[b];
+    x += dt * bodies.velocity[b];
+    if (x.cwiseAbs().maxCoeff() > reach) left.store(true, std::memory_order_relaxed);
     if (bodies.sphere_count(b) == 1) {  // the attitude of a loose sphere moves nothing
       spin_mid[b] = bodies.spin[b].cwiseQuotient(bodies.inertia[b]);
       return;
@@ -69,6 +77,14 @@ void drift(Bodies& bodies, double dt, std::vector<Vec3>& spin_mid) {
     const Vec3 before = angular_velocity(bodies, b);
     bodies.orientation[b] = rotate_free_top(bodies.orientation[b], bodies.spin[b], bodies.inertia[b], dt);
     spin_mid[b] = 0.5 * (before + angular_velocity(bodies, b));
+  });
+  if (left) settle_cells(bodies);
+}
+
+void deform(Bodies& bodies, const Vec3& stretch) {
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    bodies.position[b] = bodies.position[b].cwiseProduct(stretch);
+    bodies.velocity[b] = bodies.velocity[b].cwiseQuotient(stretch);
   });
 }
 

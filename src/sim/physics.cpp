@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "contact/stiffness.h"
 #include "core/error.h"
@@ -38,7 +39,8 @@ double closing_speed(const Bodies& bodies) {
 /// Greatest height (m) of a body above the lowest one along the field.
 double drop_height(const Bodies& bodies, const std::vector<PlaneSpec>& planes, const Vec3& field) {
   double low = 1e300, high = -1e300;
-  for (const Vec3& x : bodies.position) {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const Vec3 x = place(bodies, b);
     const double h = -x.dot(field) / field.norm();
     low = std::min(low, h);
     high = std::max(high, h);
@@ -148,6 +150,10 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   p.gravity_interval = static_cast<std::uint64_t>(scene.gravity.interval);
   p.field = scene.gravity.field;
   p.spin = stage.spin;
+  p.strain_rate = stage.strain_rate;
+  p.packing = stage.packing;
+  p.body_volume = std::accumulate(bodies.volume.begin(), bodies.volume.end(), 0.0);
+  if (scene.box) p.least_edge = least_edge(bodies);
   if (stage.spin && stage.spin->control_interval > 0.0)
     p.control_steps = whole_steps(stage.spin->control_interval, dt);
   const double series =
@@ -165,7 +171,11 @@ std::vector<Plane> make_planes(const Scene& scene) {
   return planes;
 }
 
-std::string describe_models(const Physics& physics, const Bodies& bodies, bool walls) {
+double packing_fraction(const Physics& physics, const Box& box) {
+  return physics.body_volume / box.volume();
+}
+
+std::string describe_models(const Physics& physics, const Bodies& bodies, bool walls, bool box) {
   const Features& f = physics.contacts.features;
   std::string text = bodies.size() == bodies.spheres.size() ? "loose spheres" : "aggregates";
   text += "; normal";
@@ -175,6 +185,8 @@ std::string describe_models(const Physics& physics, const Bodies& bodies, bool w
   if (f.cohesion) text += " + cohesion";
   if (f.rolling_slip) text += " (rolling slip of Zhang 2017)";
   if (walls) text += "; walls";
+  if (box) text += "; periodic box";
+  if (physics.strain_rate != Vec3::Zero()) text += ", strained";
   if (physics.gravity == GravityMethod::direct) text += "; direct gravity";
   if (physics.gravity == GravityMethod::tree)
     text += fmt::format("; tree gravity, opening {:g}, order {}", physics.tree.theta, physics.tree.order);

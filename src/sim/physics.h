@@ -24,6 +24,10 @@ struct Physics {
   std::uint64_t gravity_interval = 1;  ///< steps
   Vec3 field = Vec3::Zero();           ///< m/s^2
   std::optional<SpinSpec> spin;
+  Vec3 strain_rate = Vec3::Zero();   ///< 1/s, of the periodic box
+  std::optional<double> packing;     ///< the strain ends there
+  double body_volume = 0.0;          ///< m^3, of all bodies
+  double least_edge = 0.0;           ///< m, of a periodic box
   std::uint64_t control_steps = 1;   ///< steps between spin corrections
   std::uint64_t series_steps = 1;    ///< steps between rows of the series, and between checks for failure
   std::uint64_t snapshot_steps = 0;  ///< 0: only at the end of the stage
@@ -40,7 +44,10 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
 /// The planes of the scene; the material of each is its own number in Physics::plane_materials.
 std::vector<Plane> make_planes(const Scene& scene);
 
+/// The part of the box that the bodies fill; those glued of overlapping spheres count by their mass model.
+double packing_fraction(const Physics& physics, const Box& box);
+
 /// A short list of the models in the step, e.g. "tangential + rolling + twisting + cohesion, tree gravity".
-std::string describe_models(const Physics& physics, const Bodies& bodies, bool walls);
+std::string describe_models(const Physics& physics, const Bodies& bodies, bool walls, bool box);
 
 }  // namespace cairn
