@@ -65,7 +65,8 @@ Strain begin_strain(const Physics& physics, const Box& box) {
   if (!physics.packing) return strain;
   if (!box.closed()) throw InputError("stage.packing: the box is open, no packing fraction can be reached");
   const double now = packing_fraction(physics, box);
-  strain.until = std::log(now / *physics.packing) / strain.rate.sum();
+  const double growth = std::log(now / *physics.packing);  // of the volume
+  strain.until = std::abs(growth) > 1e-12 ? growth / strain.rate.sum() : 0.0;
   if (strain.until < 0.0)
     throw InputError("stage.packing: the bodies fill {:g} of the box, and strain_rate leads away from {:g}",
                      now, *physics.packing);

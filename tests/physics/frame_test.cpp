@@ -143,10 +143,13 @@ TEST(Frames, PartsOfABinaryAreAsGoodAsOneAlone) {
   Experiment alone(scene("none", two_clouds(apart, false))), binary(scene("none", two_clouds(apart, true)));
   ASSERT_TRUE(alone.state.bodies.cell.empty());
   ASSERT_EQ(binary.state.bodies.cell.size(), 60u);
-  // The binary's frame is that of the one part or of the other; both give the first part exact places.
   squeeze(alone.state.bodies, Vec3::Zero());
   squeeze(binary.state.bodies, separation(binary.state.bodies, 0, 30));
-  for (std::size_t b = 0; b < 30; ++b) binary.state.bodies.velocity[b] = alone.state.bodies.velocity[b];
+  // Rounding differs with the place in a cell, and every blow multiplies it: start from the same offsets.
+  for (std::size_t b = 0; b < 30; ++b) {
+    alone.state.bodies.position[b] = binary.state.bodies.position[b];
+    alone.state.bodies.velocity[b] = binary.state.bodies.velocity[b];
+  }
   alone.begin();
   binary.begin();
   double place = 0.0, overlap = 0.0, deepest = 0.0;
