@@ -101,7 +101,8 @@ TEST(Box, CompressionHeatsAGasAndMovesItAffinely) {
   for (int axis = 0; axis < 3; ++axis) {
     const double r = rate[axis];  // x' = v exp(-r t) + r x
     const double own = r == 0.0 ? v[axis] * t : v[axis] * std::sinh(r * t) / r;
-    EXPECT_NEAR(c.state.bodies.position[0][axis], x[axis] * stretch[axis] + own, 1e-9);
+    EXPECT_NEAR(c.state.bodies.position[0][axis], x[axis] * stretch[axis] + own,
+                1e-8);  // the step is second order
   }
   EXPECT_EQ(c.state.bodies.spin[0], spin);
 }
