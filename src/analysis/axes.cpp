@@ -4,6 +4,7 @@
 #include <array>
 
 #include "analysis/spin_state.h"
+#include "body/cells.h"
 
 namespace cairn {
 
@@ -11,13 +12,17 @@ AxisLengths axis_lengths(const Bodies& bodies, std::span<const std::uint32_t> se
   const SpinState state = spin_state(bodies, set);
   const Mat3 principal = principal_axes(state.inertia).axes;
   const Spheres& spheres = bodies.spheres;
+  const Vec3 center = state.center - place(bodies, set[0]);
+  const auto along = [&](std::uint32_t b, std::uint32_t s) -> Vec3 {
+    const Vec3 x = separation(bodies, set[0], b) + (spheres.position[s] - bodies.position[b]);
+    return principal.transpose() * (x - center);
+  };
   // The centre of mass may lie outside of all spheres: start from the first one.
-  const std::uint32_t first = bodies.first_sphere[set[0]];
-  const Vec3 start = principal.transpose() * (spheres.position[first] - state.center);
+  const Vec3 start = along(set[0], bodies.first_sphere[set[0]]);
   Vec3 low = start, high = start;
   for (const std::uint32_t b : set)
     for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s) {
-      const Vec3 x = principal.transpose() * (spheres.position[s] - state.center);
+      const Vec3 x = along(b, s);
       low = low.cwiseMin((x.array() - spheres.radius[s]).matrix());
       high = high.cwiseMax((x.array() + spheres.radius[s]).matrix());
     }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "body/cells.h"
 #include "core/parallel.h"
 
 namespace cairn {
@@ -35,21 +36,20 @@ Budget budget(const Bodies& bodies) {
   const std::size_t count = bodies.size();
   if (count == 0) return {};
   Budget result;
-  const Vec3 origin = bodies.position[0];  // a point near the bodies, so that a far pile loses nothing
 
   using First = Compensated<7>;
   const auto first_term = [&](std::size_t b) {
     const double m = bodies.mass[b];
     First::Values term;
     term[0] = m;
-    term.segment<3>(1) = m * (bodies.position[b] - origin);
+    term.segment<3>(1) = m * separation(bodies, 0, b);
     term.segment<3>(4) = m * bodies.velocity[b];
     return term;
   };
   const First::Values first = parallel_sum(count, First{}, first_term).value();
   result.mass = first[0];
-  const Vec3 center = first.segment<3>(1) / result.mass;  // from `origin`
-  result.center = origin + center;
+  const Vec3 center = first.segment<3>(1) / result.mass;  // from body 0, so that a far pile loses nothing
+  result.center = place(bodies, 0) + center;
   result.momentum = first.segment<3>(4);
   const Vec3 velocity = result.momentum / result.mass;
 
@@ -57,9 +57,9 @@ Budget budget(const Bodies& bodies) {
   const auto second_term = [&](std::size_t b) {
     const Vec3& spin = bodies.spin[b];
     const Vec3 p = bodies.mass[b] * bodies.velocity[b];
-    const Vec3 arm = (bodies.position[b] - origin) - center;
+    const Vec3 arm = separation(bodies, 0, b) - center;
     const Vec3 relative = bodies.mass[b] * (bodies.velocity[b] - velocity);
-    const Vec3 about_origin = bodies.position[b].cross(p), about_center = arm.cross(relative);
+    const Vec3 about_origin = place(bodies, b).cross(p), about_center = arm.cross(relative);
     Second::Values term;
     term.segment<3>(0) = about_origin + spin;
     term.segment<3>(3) = about_center + spin;

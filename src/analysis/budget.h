@@ -8,7 +8,7 @@ namespace cairn {
 /// Totals over all bodies (compensated sums, in a fixed order).
 struct Budget {
   double mass = 0.0;                                  ///< kg
-  Vec3 center = Vec3::Zero();                         ///< m, centre of mass
+  Vec3 center = Vec3::Zero();                         ///< m, centre of mass, from the frame's zero
   Vec3 momentum = Vec3::Zero();                       ///< kg m/s
   Vec3 angular_momentum_about_origin = Vec3::Zero();  ///< kg m^2/s, orbital and spins
   Vec3 angular_momentum_about_center = Vec3::Zero();  ///< kg m^2/s, in the frame of the centre of mass

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "contact/search.h"
+#include "contact/near_pairs.h"
 
 namespace cairn {
 namespace {
@@ -36,10 +36,10 @@ std::vector<std::uint32_t> Fragments::members(std::uint32_t cluster) const {
   return result;
 }
 
-Fragments find_fragments(const Bodies& bodies, double gap) {
+Fragments find_fragments(const Bodies& bodies, double gap, const Box& box) {
   const Spheres& spheres = bodies.spheres;
   std::vector<Pair> pairs;
-  NeighbourSearch().find(spheres.position, spheres.radius, spheres.body, gap, pairs);
+  NearPairs().find(bodies, box, gap, pairs);
   Sets sets(bodies.size());
   for (const Pair& pair : pairs) sets.join(spheres.body[pair.i], spheres.body[pair.j]);
 

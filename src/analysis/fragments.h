@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "body/bodies.h"
+#include "contact/box.h"
 
 namespace cairn {
 
@@ -18,9 +19,9 @@ struct Fragments {
   std::vector<std::uint32_t> members(std::uint32_t cluster) const;
 };
 
-/// Links bodies any of whose spheres' surfaces are closer than gap (m, >= 0). Sphere centres must be up to
-/// date.
+/// Links bodies any of whose spheres' surfaces are closer than gap (m, >= 0), in a box also of their images.
+/// Sphere centres must be up to date.
 /// @throws UnstableError for a position that is not finite, InputError for an unusable gap.
-Fragments find_fragments(const Bodies& bodies, double gap);
+Fragments find_fragments(const Bodies& bodies, double gap, const Box& box = {});
 
 }  // namespace cairn

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "body/cells.h"
 #include "core/error.h"
 #include "core/parallel.h"
 
@@ -45,18 +46,18 @@ std::vector<std::uint32_t> all_bodies(const Bodies& bodies) {
 
 SpinState spin_state(const Bodies& bodies, std::span<const std::uint32_t> set) {
   if (set.empty()) throw InputError("an empty set of bodies has no spin state");
-  const Vec3 origin = bodies.position[set[0]], drift = bodies.velocity[set[0]];
+  const Vec3 drift = bodies.velocity[set[0]];
   const FirstMoments first = parallel_sum(set.size(), FirstMoments{}, [&](std::size_t k) {
     const std::uint32_t b = set[k];
     const double m = bodies.mass[b];
-    return FirstMoments{m, m * (bodies.position[b] - origin), m * (bodies.velocity[b] - drift)};
+    return FirstMoments{m, m * separation(bodies, set[0], b), m * (bodies.velocity[b] - drift)};
   });
   const Vec3 center = first.position / first.mass, velocity = first.velocity / first.mass;
 
   const SecondMoments second = parallel_sum(set.size(), SecondMoments{}, [&](std::size_t k) {
     const std::uint32_t b = set[k];
     const double m = bodies.mass[b];
-    const Vec3 arm = (bodies.position[b] - origin) - center;
+    const Vec3 arm = separation(bodies, set[0], b) - center;
     const Vec3 speed = (bodies.velocity[b] - drift) - velocity;
     const Mat3 axes = bodies.orientation[b].toRotationMatrix();
     SecondMoments term;
@@ -65,7 +66,8 @@ SpinState spin_state(const Bodies& bodies, std::span<const std::uint32_t> set) {
                    m * (arm.squaredNorm() * Mat3::Identity() - arm * arm.transpose());
     return term;
   });
-  return {first.mass, origin + center, drift + velocity, second.angular_momentum, second.inertia};
+  return {first.mass, place(bodies, set[0]) + center, drift + velocity, second.angular_momentum,
+          second.inertia};
 }
 
 PrincipalAxes principal_axes(const Mat3& inertia) {

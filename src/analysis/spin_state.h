@@ -18,7 +18,7 @@ struct PrincipalAxes {
 /// Totals of a set of bodies, in the space frame.
 struct SpinState {
   double mass = 0.0;                     ///< kg
-  Vec3 center = Vec3::Zero();            ///< m, centre of mass
+  Vec3 center = Vec3::Zero();            ///< m, centre of mass, from the zero of the scene's frame
   Vec3 velocity = Vec3::Zero();          ///< m/s, of the centre of mass
   Vec3 angular_momentum = Vec3::Zero();  ///< kg m^2/s, about the centre of mass: orbital and spins
   Mat3 inertia = Mat3::Zero();           ///< kg m^2, about the centre of mass

@@ -22,6 +22,7 @@ struct Options {
 double time_step_cost(const std::vector<Wall>& walls, const Setup& setup, const Physics& physics) {
   State state;
   state.bodies = setup.bodies;
+  state.box = setup.box;
   state.remnant.assign(state.bodies.size(), 1);
   state.walls.walls = walls;
   Scratch scratch;
@@ -56,7 +57,8 @@ void check(const Options& options) {
     fmt::print(
         "stage {} '{}'\n  models     {}\n  stiffness  {:.4g} N/m; shortest contact {:.4g} s\n"
         "  time step  {:.4g} s (longest safe {:.4g} s), {} steps for {:.6g} s\n",
-        k, scene.stages[k].name, describe_models(physics, setup.bodies, !walls.empty()), physics.k_n,
+        k, scene.stages[k].name,
+        describe_models(physics, setup.bodies, !walls.empty(), setup.box.periodic()), physics.k_n,
         physics.contact_time, physics.contacts.dt, kLongestSafeStep * physics.contact_time, physics.steps,
         scene.stages[k].duration);
     if (k == 0)

@@ -15,11 +15,17 @@ void add_body(Bodies& bodies, const RigidShape& shape, std::uint32_t shape_index
 
   if (bodies.first_sphere.empty()) bodies.first_sphere.push_back(0);
   bodies.mass.push_back(mass);
+  bodies.volume.push_back(mass / density);
   bodies.inertia.push_back(inertia);
   bodies.shape.push_back(shape_index);
   bodies.length.push_back(size);
   bodies.material.push_back(material);
-  bodies.position.push_back(placement.position);
+  const double edge = bodies.cell_edge;
+  const Vec3 cell = edge > 0.0 ? Vec3((placement.origin / edge).array().round()) : Vec3::Zero();
+  const Vec3 position = (placement.origin - edge * cell) + placement.position;
+  bodies.position.push_back(position);
+  if (bodies.cell.empty() && cell != Vec3::Zero()) bodies.cell.assign(index, Vec3::Zero());
+  if (!bodies.cell.empty() || cell != Vec3::Zero()) bodies.cell.push_back(cell);
   bodies.velocity.push_back(placement.velocity);
   bodies.orientation.push_back(orientation);
   bodies.spin.push_back(spin);
@@ -33,7 +39,7 @@ void add_body(Bodies& bodies, const RigidShape& shape, std::uint32_t shape_index
     spheres.mass.push_back(mass * shape.mass_fractions[s]);
     spheres.offset.push_back(offset);
     spheres.body.push_back(index);
-    spheres.position.push_back(placement.position + orientation * offset);
+    spheres.position.push_back(position + orientation * offset);
   }
   bodies.first_sphere.push_back(static_cast<std::uint32_t>(spheres.size()));
 }

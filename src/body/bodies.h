@@ -14,7 +14,8 @@ struct Spheres {
   std::vector<double> mass;    ///< kg, what gravity pulls; sums to the body's mass
   std::vector<Vec3> offset;    ///< m, from the body's centre of mass, in the body's principal frame
   std::vector<std::uint32_t> body;
-  std::vector<Vec3> position;  ///< m, space frame; derived from the bodies by place_spheres
+  std::vector<Vec3> position;  ///< m, from the centre of the body's cell; derived from the bodies by
+                               ///< place_spheres
 
   std::size_t size() const { return radius.size(); }
 };
@@ -23,16 +24,20 @@ struct Spheres {
 struct Bodies {
   // Constant.
   std::vector<double> mass;          ///< kg
+  std::vector<double> volume;        ///< m^3
   std::vector<Vec3> inertia;         ///< kg m^2, principal moments
   std::vector<std::uint32_t> shape;  ///< index into the scene's shapes
   std::vector<double> length;        ///< m, the size that scales the shape
   std::vector<std::uint16_t> material;
   std::vector<std::uint32_t> first_sphere;  ///< size() + 1 entries
   // Pose and momentum.
-  std::vector<Vec3> position;     ///< m, centre of mass
+  std::vector<Vec3> position;     ///< m, centre of mass, from the centre of its cell
   std::vector<Vec3> velocity;     ///< m/s
   std::vector<Quat> orientation;  ///< principal frame -> space frame
   std::vector<Vec3> spin;         ///< kg m^2/s, angular momentum about the centre of mass, space frame
+  // Places far from each other (see cells.h).
+  double cell_edge = 0.0;  ///< m, of the cubic cells; 0: no lattice
+  std::vector<Vec3> cell;  ///< whole numbers, of each body; empty while all are in cell 0
   // Wrench of the last evaluation, about the centre of mass.
   std::vector<Vec3> force;   ///< N
   std::vector<Vec3> torque;  ///< N m
@@ -45,10 +50,11 @@ struct Bodies {
 
 /// Where a new body is put.
 struct Placement {
-  Vec3 position = Vec3::Zero();          ///< m, centre of mass
+  Vec3 position = Vec3::Zero();          ///< m, centre of mass, from `origin`
   Quat orientation = Quat::Identity();   ///< frame of the shape file -> space frame
   Vec3 velocity = Vec3::Zero();          ///< m/s
   Vec3 angular_velocity = Vec3::Zero();  ///< rad/s, space frame
+  Vec3 origin = Vec3::Zero();            ///< m; what is far in a place, so that `position` keeps its digits
 };
 
 /// Appends one body of the given shape, size (m) and density (kg/m^3).

@@ -7,33 +7,66 @@
 
 namespace cairn {
 
-bool Candidates::expired(const Bodies& bodies, double time) const {
+namespace {
+
+/// The shift of every slot: from the cells of its bodies, or to the nearest image.
+void find_shifts(const Bodies& bodies, const Box& box, ContactList& contacts) {
+  const std::vector<Vec3>& x = bodies.spheres.position;
+  const std::vector<std::uint32_t>& body = bodies.spheres.body;
+  contacts.lattice = box.periodic() ? box.edge : Vec3::Constant(bodies.cell_edge);
+  contacts.lattice_rate = box.rate;
+  contacts.set_shifts(box.periodic() || !bodies.cell.empty(), [&](const Pair& p) -> Vec3 {
+    return box.periodic() ? box.nearest_image(x[p.j] - x[p.i])
+                          : bodies.cell[body[p.j]] - bodies.cell[body[p.i]];
+  });
+}
+
+}  // namespace
+
+bool Candidates::expired(const Bodies& bodies, double time, const Box& box) const {
   const Spheres& spheres = bodies.spheres;
-  if (reference_.size() != spheres.size()) return true;
+  if (reference_.size() != spheres.size() || bodies.cell != cells_) return true;
   const double elapsed = time - motion_.time;
   const Vec3 center = motion_.center + elapsed * motion_.velocity;
   const double angle = motion_.spin.norm() * elapsed;
-  const Mat3 turn = angle == 0.0 ? Mat3::Identity()
-                                 : Eigen::AngleAxisd(angle, motion_.spin.normalized()).toRotationMatrix();
-  const double limit2 = 0.25 * skin_ * skin_;
+  Mat3 turn = angle == 0.0 ? Mat3::Identity()
+                           : Eigen::AngleAxisd(angle, motion_.spin.normalized()).toRotationMatrix();
+  double limit = 0.5 * skin_;
+  if (box.periodic()) {
+    const Vec3 stretch = (box.edge.array() > 0.0).select(box.edge.cwiseQuotient(edge_), 1.0);
+    turn = stretch.asDiagonal();
+    // Centres that were further apart than the radii and the skin have come nearer by this factor at most.
+    const double least = stretch.minCoeff();
+    limit = 0.5 * (least * skin_ - (1.0 - least) * 2.0 * largest_);
+  }
+  if (!(limit > 0.0)) return true;
+  const double limit2 = limit * limit;
+  const bool one_cell = bodies.cell.empty();
   std::atomic<bool> moved = false;
   parallel_blocks(spheres.size(), 2048, [&](std::size_t begin, std::size_t end) {
     bool far = false;
-    for (std::size_t s = begin; s < end; ++s)  // written so that NaN counts as far
-      far |= !((spheres.position[s] - center - turn * reference_[s]).squaredNorm() < limit2);
+    const auto moved_from = [&](const Vec3& x, std::size_t s) {  // written so that NaN counts as far
+      return !((x - center - turn * reference_[s]).squaredNorm() < limit2);
+    };
+    if (one_cell)
+      for (std::size_t s = begin; s < end; ++s) far |= moved_from(spheres.position[s], s);
+    else
+      for (std::size_t s = begin; s < end; ++s) far |= moved_from(sphere_place(bodies, s), s);
     if (far) moved.store(true, std::memory_order_relaxed);
   });
   return moved;
 }
 
 void Candidates::rebuild(const Bodies& bodies, const RigidMotion& motion, const Features& features,
-                         ContactList& contacts) {
+                         ContactList& contacts, const Box& box) {
   const Spheres& spheres = bodies.spheres;
   if (skin_ == 0.0) {
-    smallest_ = *std::min_element(spheres.radius.begin(), spheres.radius.end());
+    const auto [smallest, largest] = std::minmax_element(spheres.radius.begin(), spheres.radius.end());
+    smallest_ = *smallest;
+    largest_ = *largest;
     skin_ = 0.1 * smallest_;
   }
-  search_.find(spheres.position, spheres.radius, spheres.body, skin_, pairs_);
+  search_.find(bodies, box, skin_, pairs_);
   // Pairs that touched and have flown apart since stay until the sweep has ended their contacts.
   const std::size_t near = pairs_.size();
   for (std::size_t slot = 0; slot < contacts.slots(); ++slot)
@@ -43,9 +76,13 @@ void Candidates::rebuild(const Bodies& bodies, const RigidMotion& motion, const 
                      before);
   pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
   contacts.rebuild(pairs_, spheres.size(), features);
+  find_shifts(bodies, box, contacts);
   motion_ = motion;
+  cells_ = bodies.cell;
+  edge_ = box.edge;
   reference_.resize(spheres.size());
-  parallel_for(spheres.size(), [&](std::size_t s) { reference_[s] = spheres.position[s] - motion.center; });
+  parallel_for(spheres.size(),
+               [&](std::size_t s) { reference_[s] = sphere_place(bodies, s) - motion.center; });
 }
 
 void Candidates::adapt_skin(std::uint64_t age) {

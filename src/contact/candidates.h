@@ -5,12 +5,13 @@
 #include <vector>
 
 #include "body/bodies.h"
+#include "contact/box.h"
 #include "contact/history.h"
-#include "contact/search.h"
+#include "contact/near_pairs.h"
 
 namespace cairn {
 
-/// A rigid motion through space.
+/// A rigid motion through space; in a periodic box a translation.
 struct RigidMotion {
   Vec3 center = Vec3::Zero();    ///< m, at `time`
   Vec3 velocity = Vec3::Zero();  ///< m/s
@@ -21,25 +22,28 @@ struct RigidMotion {
 /// Keeps a contact list complete: every pair closer than the sum of its radii is among its slots.
 class Candidates {
  public:
-  /// Whether some sphere has moved too far, relative to the motion at the last rebuild.
-  bool expired(const Bodies& bodies, double time) const;
+  /// Whether some sphere has moved too far, relative to the motion at the last rebuild and to the strain of
+  /// the box since.
+  bool expired(const Bodies& bodies, double time, const Box& box = {}) const;
 
   /// Searches afresh; histories in `contacts` are carried over.
-  /// @throws UnstableError when a position is not finite.
+  /// @throws UnstableError when a position is not finite, InputError when the box is too small.
   void rebuild(const Bodies& bodies, const RigidMotion& motion, const Features& features,
-               ContactList& contacts);
+               ContactList& contacts, const Box& box = {});
 
   /// Tells the age of the list in steps when it expired, to adapt the skin. The result of the run does not
   /// depend on the skin.
   void adapt_skin(std::uint64_t age);
 
  private:
-  NeighbourSearch search_;
+  NearPairs search_;
   std::vector<Vec3> reference_;  ///< sphere centres at the rebuild, relative to the motion's centre
   std::vector<Pair> pairs_;
+  std::vector<Vec3> cells_;   ///< of the bodies, at the rebuild
+  Vec3 edge_ = Vec3::Zero();  ///< m, of the box, at the rebuild
   RigidMotion motion_;
-  double skin_ = 0.0;      ///< m; 0: not chosen yet
-  double smallest_ = 0.0;  ///< m, smallest sphere radius
+  double skin_ = 0.0;                      ///< m; 0: not chosen yet
+  double smallest_ = 0.0, largest_ = 0.0;  ///< m, sphere radii
 };
 
 }  // namespace cairn

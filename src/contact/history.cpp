@@ -36,6 +36,19 @@ void ContactList::rebuild(std::vector<Pair>& pairs, std::size_t spheres, const F
   restore(kept);
 }
 
+void ContactList::set_shifts(bool any, const std::function<Vec3(const Pair&)>& shift_of) {
+  for (std::vector<double>& component : shift) component.assign(any ? slots() : 0, 0.0);
+  if (!any) return;
+  bool needed = false;
+  for (std::size_t slot = 0; slot < slots(); ++slot) {
+    const Vec3 steps = shift_of(pairs_[slot]);
+    for (std::size_t k = 0; k < 3; ++k) shift[k][slot] = steps[static_cast<int>(k)];
+    needed |= steps != Vec3::Zero();
+  }
+  if (!needed)
+    for (std::vector<double>& component : shift) component.clear();
+}
+
 ContactMemory<double> ContactList::memory(std::size_t slot) const {
   ContactMemory<double> m{};
   m.c_n = c_n[slot];

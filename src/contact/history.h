@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "contact/law/features.h"
 #include "contact/law/law.h"
 #include "contact/search.h"
+#include "core/math.h"
 
 namespace cairn {
 
@@ -52,12 +54,24 @@ class ContactList {
   /// Makes exactly these pairs touching (sorted; all must be candidates).
   void restore(const std::vector<ContactRecord>& records);
 
+  /// Asks for every pair's shift in whole lattice edges; none is stored when all are zero or `any` is false.
+  void set_shifts(bool any, const std::function<Vec3(const Pair&)>& shift_of);
+  bool shifted() const { return !shift[0].empty(); }
+  /// What is to be added to the place of j to bring it where i sees it (m).
+  Vec3 shift_of(std::size_t slot) const {
+    if (!shifted()) return Vec3::Zero();
+    return lattice.cwiseProduct(Vec3(shift[0][slot], shift[1][slot], shift[2][slot]));
+  }
+
   /// Slots in which sphere s is the second partner: second[second_begin[s]] ... in increasing order.
   std::vector<std::uint32_t> second_begin, second;
 
   std::vector<double> c_n, c_s;                  ///< c_n < 0: not touching
   std::vector<double> slide[3], roll[3], twist;  ///< empty when the features lack them
   std::vector<ContactWrench> wrench;             ///< zero where not touching
+  std::vector<double> shift[3];                  ///< whole edges of the lattice; empty: none is shifted
+  Vec3 lattice = Vec3::Zero();                   ///< m, edges of the cells, or of the periodic box as it is
+  Vec3 lattice_rate = Vec3::Zero();              ///< 1/s, their growth: images move with it
   std::vector<std::vector<PartialKick>> kicks;   ///< of the last sweep, by block of spheres
 
  private:

@@ -5,12 +5,15 @@
 namespace cairn {
 
 void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, double dt,
-                     std::vector<SphereMotion>& motions) {
+                     std::vector<SphereMotion>& motions, const Vec3& rate) {
   const Spheres& spheres = bodies.spheres;
   motions.resize(spheres.size());
   const double half = 0.5 * dt;
+  const bool flows = rate != Vec3::Zero();
   parallel_for(bodies.size(), [&](std::size_t b) {
-    const Vec3 velocity_end = bodies.velocity[b] + (half / bodies.mass[b]) * bodies.force[b];
+    Vec3 velocity_mid = bodies.velocity[b];
+    if (flows) velocity_mid += rate.cwiseProduct(bodies.position[b]);
+    const Vec3 velocity_end = velocity_mid + (half / bodies.mass[b]) * bodies.force[b];
     const Vec3 momentum_end = bodies.spin[b] + half * bodies.torque[b];
     const std::uint32_t begin = bodies.first_sphere[b], end = bodies.first_sphere[b + 1];
     const bool loose = end - begin == 1;
@@ -27,7 +30,7 @@ void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, do
       const Vec3 arm_mid = share * (arm - turn.cross(arm) + turn.dot(arm) * turn);
       Eigen::Map<Vec3>(m.position) = spheres.position[s];
       m.radius = spheres.radius[s];
-      Eigen::Map<Vec3>(m.velocity_mid) = bodies.velocity[b] + w_mid.cross(arm_mid);
+      Eigen::Map<Vec3>(m.velocity_mid) = velocity_mid + w_mid.cross(arm_mid);
       Eigen::Map<Vec3>(m.spin_mid) = w_mid;
       Eigen::Map<Vec3>(m.velocity) = velocity_end + w_end.cross(arm);
       Eigen::Map<Vec3>(m.spin) = w_end;

@@ -19,8 +19,9 @@ struct alignas(128) SphereMotion {
 static_assert(sizeof(SphereMotion) == 128);
 
 /// Fills `motions` from the bodies after the drift: half-step velocities are in the bodies, `spin_mid` holds
-/// their mean angular velocity over the drift, and the last wrench predicts the end of the step.
+/// their mean angular velocity over the drift, and the last wrench predicts the end of the step. In a box
+/// that grows at `rate` (1/s) the affine flow about the zero is added to velocities.
 void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, double dt,
-                     std::vector<SphereMotion>& motions);
+                     std::vector<SphereMotion>& motions, const Vec3& rate = Vec3::Zero());
 
 }  // namespace cairn

@@ -20,6 +20,12 @@ const PairLaw& law_of(const Bodies& bodies, const SweepSettings& settings, const
   return settings.laws[a * settings.materials + b];
 }
 
+/// Vector from sphere i to j of a slot (m).
+Vec3 separation(const Spheres& spheres, const ContactList& contacts, std::size_t slot) {
+  const Pair& p = contacts.pair(slot);
+  return spheres.position[p.j] - spheres.position[p.i] + contacts.shift_of(slot);
+}
+
 /// The motions of eight spheres, transposed.
 struct MotionBatch {
   Triple<Batch> position, velocity_mid, spin_mid, velocity, spin;
@@ -141,6 +147,19 @@ void add_first_touches(const ContactList& contacts, const Slots& slot, Mask fres
   }
 }
 
+/// Takes j where i sees it: in another cell, or as an image that moves with the box.
+CAIRN_INLINE void see_shifted(const ContactList& contacts, const Slots& slot, Triple<Batch>& d,
+                              Triple<Batch>& u, Triple<Batch>& u_mid) {
+  const Triple<Batch> steps{gather(contacts.shift[0], slot), gather(contacts.shift[1], slot),
+                            gather(contacts.shift[2], slot)};
+  const Vec3 &edge = contacts.lattice, &rate = contacts.lattice_rate;
+  d = {fma(edge[0], steps.x, d.x), fma(edge[1], steps.y, d.y), fma(edge[2], steps.z, d.z)};
+  const Triple<Batch> flow{edge[0] * rate[0] * steps.x, edge[1] * rate[1] * steps.y,
+                           edge[2] * rate[2] * steps.z};
+  u = u + flow;
+  u_mid = u_mid + flow;
+}
+
 /// Eight touching pairs at once.
 template <Features F>
 void evaluate_batch(const std::vector<SphereMotion>& motions, const LawConstants<Batch>& law, double dt,
@@ -154,8 +173,10 @@ void evaluate_batch(const std::vector<SphereMotion>& motions, const LawConstants
   const MotionBatch a = load_motions(motions, index_i), b = load_motions(motions, index_j);
   const Batch one(1.0), half(0.5);
 
-  const Triple<Batch> d = b.position - a.position;
-  const Triple<Batch> d_mid = fma(Batch(-0.5 * dt), b.velocity_mid - a.velocity_mid, d);
+  Triple<Batch> d = b.position - a.position, u = b.velocity - a.velocity,
+                u_mid = b.velocity_mid - a.velocity_mid;
+  if (contacts.shifted()) see_shifted(contacts, slot, d, u, u_mid);
+  const Triple<Batch> d_mid = fma(Batch(-0.5 * dt), u_mid, d);
   const Batch distance = sqrt(dot(d, d)), distance_mid = sqrt(dot(d_mid, d_mid));
   const Batch inverse = one / distance, inverse_mid = one / distance_mid;
   const Batch sum = a.radius + b.radius;
@@ -172,9 +193,8 @@ void evaluate_batch(const std::vector<SphereMotion>& motions, const LawConstants
   if constexpr (F.rolling_slip) geometry.slip_lever = half * (arm_j - arm_i) / (arm_i * arm_j);
 
   ContactMotion<Batch> motion;
-  motion.u = (b.velocity - a.velocity) - cross(fma(arm_i, a.spin, arm_j * b.spin), geometry.n);
-  motion.u_mid = (b.velocity_mid - a.velocity_mid) -
-                 cross(fma(arm_i_mid, a.spin_mid, arm_j_mid * b.spin_mid), geometry.n_mid);
+  motion.u = u - cross(fma(arm_i, a.spin, arm_j * b.spin), geometry.n);
+  motion.u_mid = u_mid - cross(fma(arm_i_mid, a.spin_mid, arm_j_mid * b.spin_mid), geometry.n_mid);
   motion.w = b.spin - a.spin;
   motion.w_mid = b.spin_mid - a.spin_mid;
   motion.turn = half * (a.spin_mid + b.spin_mid);
@@ -211,7 +231,8 @@ class Block {
 
   template <Features F>
   SweepReport run(std::vector<std::uint32_t>& active) {
-    const std::size_t count = find_touching<F>(active);
+    const std::size_t count =
+        contacts_.shifted() ? find_touching<F, true>(active) : find_touching<F, false>(active);
     Batch dissipated(0.0), overlap_ratio(0.0);
     const LawConstants<Batch> single(settings_.laws[0]);
     for (std::size_t k = 0; k < count; k += kLanes) {
@@ -249,7 +270,7 @@ class Block {
 
  private:
   /// Writes the touching slots to `active`, ends contacts that have parted (their springs' energy is lost).
-  template <Features F>
+  template <Features F, bool shifted>
   std::size_t find_touching(std::vector<std::uint32_t>& active) {
     const std::uint32_t first = contacts_.begin(begin_), last = contacts_.begin(end_);
     active.resize(last - first);
@@ -258,8 +279,14 @@ class Block {
       const SphereMotion& a = motions_[s];
       for (std::uint32_t slot = contacts_.begin(s); slot < contacts_.begin(s + 1); ++slot) {
         const SphereMotion& b = motions_[contacts_.pair(slot).j];
-        const double x = b.position[0] - a.position[0], y = b.position[1] - a.position[1],
-                     z = b.position[2] - a.position[2], sum = a.radius + b.radius;
+        double x = b.position[0] - a.position[0], y = b.position[1] - a.position[1],
+               z = b.position[2] - a.position[2];
+        if constexpr (shifted) {
+          x = fma(contacts_.lattice[0], contacts_.shift[0][slot], x);
+          y = fma(contacts_.lattice[1], contacts_.shift[1][slot], y);
+          z = fma(contacts_.lattice[2], contacts_.shift[2][slot], z);
+        }
+        const double sum = a.radius + b.radius;
         const bool touch = fma(x, x, fma(y, y, z * z)) < sum * sum;
         active[count] = slot;
         count += touch;
@@ -278,7 +305,8 @@ class Block {
     const LawConstants<double> law(law_of(bodies_, settings_, pair));
     const double distance = d.norm(), radius = a.radius * b.radius / radii;
     const Vec3 n = d / distance;
-    const double u_n = (Map(b.velocity_mid) - Map(a.velocity_mid)).dot(n);
+    const Vec3 flow = contacts_.lattice_rate.cwiseProduct(contacts_.shift_of(slot));
+    const double u_n = (Map(b.velocity_mid) - Map(a.velocity_mid) + flow).dot(n);
     const Parting end = parting<F>(law, contacts_.c_n[slot], radius, distance - radii, u_n, settings_.dt);
     PartialKick kick{pair, {}};
     Eigen::Map<Vec3>(kick.impulse.force) = end.normal * n;
@@ -314,13 +342,14 @@ void set_damping(const Bodies& bodies, const SweepSettings& settings, ContactLis
     mu.tangential = kTangentialRatio * mu.normal;
   } else {
     const std::uint32_t bi = spheres.body[pair.i], bj = spheres.body[pair.j];
-    const Vec3 d = spheres.position[pair.j] - spheres.position[pair.i];
+    const Vec3 d = separation(spheres, contacts, slot);
     const double distance = d.norm();
     const Vec3 n = d / distance;
     const double ri = spheres.radius[pair.i], rj = spheres.radius[pair.j];
-    const Vec3 c = spheres.position[pair.i] + 0.5 * (distance + (ri - rj) * (ri + rj) / distance) * n;
-    mu = effective_mass(inertia_of(bodies, bi), c - bodies.position[bi], inertia_of(bodies, bj),
-                        c - bodies.position[bj], n);
+    const double lever = 0.5 * (distance + (ri - rj) * (ri + rj) / distance);
+    const Vec3 arm_i = spheres.position[pair.i] - bodies.position[bi] + lever * n;
+    const Vec3 arm_j = spheres.position[pair.j] - bodies.position[bj] - (distance - lever) * n;
+    mu = effective_mass(inertia_of(bodies, bi), arm_i, inertia_of(bodies, bj), arm_j, n);
   }
   contacts.c_n[slot] = law.damping_n * std::sqrt(law.k_n * mu.normal);
   contacts.c_s[slot] = law.damping_s * std::sqrt(law.k_s * mu.tangential);
@@ -352,7 +381,7 @@ Pair deepest_pair(const Bodies& bodies, const ContactList& contacts) {
   for (std::size_t slot = 0; slot < contacts.slots(); ++slot) {
     const Pair& p = contacts.pair(slot);
     const double ri = spheres.radius[p.i], rj = spheres.radius[p.j];
-    const double overlap = ri + rj - (spheres.position[p.j] - spheres.position[p.i]).norm();
+    const double overlap = ri + rj - separation(spheres, contacts, slot).norm();
     if (overlap > ratio * std::min(ri, rj)) {
       ratio = overlap / std::min(ri, rj);
       deepest = p;
@@ -411,7 +440,7 @@ double stored_energy(const Bodies& bodies, const SweepSettings& settings, const 
         if (!contacts.touching(slot)) continue;
         const Pair& p = contacts.pair(slot);
         const double ri = spheres.radius[p.i], rj = spheres.radius[p.j];
-        const double overlap = ri + rj - (spheres.position[p.j] - spheres.position[p.i]).norm();
+        const double overlap = ri + rj - separation(spheres, contacts, slot).norm();
         energy += stored_energy<F>(LawConstants<double>(law_of(bodies, settings, p)), overlap,
                                    ri * rj / (ri + rj), contacts.memory(slot));
       }

@@ -24,6 +24,7 @@ class Checks {
       check_wall(scene_.walls[i], fmt::format("wall[{}]", i));
     check_contact();
     check_stages();
+    if (scene_.box) check_box(scene_.box->size);
     if (scene_.pile.empty() && scene_.clouds.empty() && scene_.bodies.empty())
       throw error("", "the scene has no bodies; expected 'pile', [[cloud]] or [[body]]");
   }
@@ -143,7 +144,38 @@ class Checks {
         throw error(key + ".name", "expected a name of its own, found '{}' for a second time", stage.name);
       if (!stage.material.empty()) check_reference(stage.material, key + ".material");
       if (stage.spin) check_path(stage.spin->path, key + ".spin.path");
+      check_strain(stage, key);
     }
+  }
+
+  void check_box(const Vec3& size) const {
+    if (size == Vec3::Zero() && scene_.pile.empty())
+      throw error("box.size", "expected an edge above 0 m, or a pile that has a box");
+    if (scene_.gravity.method != GravityMethod::none)
+      throw error("gravity.method",
+                  "self-gravity has no meaning in a periodic box; expected 'none' with [box]");
+    const auto along_box = [&](const Vec3& v) { return (size.array() > 0.0 && v.array() != 0.0).any(); };
+    if (along_box(scene_.gravity.field))
+      throw error("gravity.field", "expected 0 along the periodic directions of the box");
+    for (std::size_t i = 0; i < scene_.walls.size(); ++i) {
+      const WallSpec& wall = scene_.walls[i];
+      if (wall.kind != WallKind::plane)
+        throw error(fmt::format("wall[{}].kind", i), "expected 'plane' in a periodic box");
+      if (along_box(wall.normal))
+        throw error(fmt::format("wall[{}].normal", i),
+                    "expected 0 along the periodic directions of the box");
+    }
+  }
+
+  void check_strain(const StageSpec& stage, const std::string& key) const {
+    if (stage.strain_rate != Vec3::Zero() && !scene_.box)
+      throw error(key + ".strain_rate", "has no effect without a [box]");
+    if (scene_.box && scene_.box->size != Vec3::Zero() &&
+        (scene_.box->size.array() == 0.0 && stage.strain_rate.array() != 0.0).any())
+      throw error(key + ".strain_rate", "expected 0 along the open directions of the box");
+    if (stage.packing && stage.strain_rate.sum() == 0.0)
+      throw error(key + ".packing", "has no effect unless strain_rate changes the volume of the box");
+    if (stage.spin && scene_.box) throw error(key + ".spin", "a periodic box cannot spin");
   }
 
   void check_path(const std::vector<SpinPoint>& path, const std::string& key) const {

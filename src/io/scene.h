@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "body/cells.h"
 #include "contact/law/material.h"
 #include "core/math.h"
 #include "io/source.h"
@@ -55,6 +56,11 @@ struct BodySpec {
   Vec3 velocity = Vec3::Zero();          ///< m/s
   Vec3 angular_velocity = Vec3::Zero();  ///< rad/s
   Quat orientation = Quat::Identity();   ///< w, x, y, z: frame of the shape file -> space
+};
+
+/// A periodic box.
+struct BoxSpec {
+  Vec3 size = Vec3::Zero();  ///< m; 0: open in that direction; all 0: the pile's
 };
 
 /// A wall, fixed or moved as prescribed. Keys that its kind does not have are errors.
@@ -116,6 +122,8 @@ struct StageSpec {
   std::optional<double> stiffness;  ///< N/m; replaces contact.stiffness
   std::optional<double> time_step;  ///< s; replaces contact.time_step
   std::optional<SpinSpec> spin;
+  Vec3 strain_rate = Vec3::Zero();  ///< 1/s, d ln(edge) / dt of the box
+  std::optional<double> packing;    ///< the strain ends at this volume of the bodies over that of the box
 };
 
 struct OutputSpec {
@@ -130,6 +138,8 @@ struct Scene {
   std::uint64_t seed = 1;
   MassModel mass_model = MassModel::union_volume;
   std::string pile;  ///< result file whose last snapshot supplies the bodies; empty: none
+  Frame frame;       ///< where the scene's zero is, and how it moves
+  std::optional<BoxSpec> box;
   std::vector<CloudSpec> clouds;
   std::vector<BodySpec> bodies;
   std::vector<WallSpec> walls;

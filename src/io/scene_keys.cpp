@@ -60,6 +60,16 @@ const Keys<BodySpec> kBodyKeys = {
                "w, x, y, z: rotation from the frame of the shape file to space; any length but zero"),
 };
 
+const Keys<Frame> kFrameKeys = {
+    vector("position", &Frame::position, "m", kPosition, "of the zero at the start"),
+    vector("velocity", &Frame::velocity, "m/s", kVelocity, "of the zero"),
+};
+
+const Keys<BoxSpec> kBoxKeys = {
+    vector("size", &BoxSpec::size, "m", within(0, 1e12),
+           "edges along x, y, z; 0: open in that direction; all 0: those of the pile's box at its end"),
+};
+
 const Keys<WallSpec> kWallKeys = {
     choice("kind", &WallSpec::kind,
            {{"plane", WallKind::plane},
@@ -161,6 +171,11 @@ const Keys<StageSpec> kStageKeys = {
     number("time_step", &StageSpec::time_step, "s", kDuration, "replaces contact.time_step"),
     table("spin", &StageSpec::spin, kSpinKeys,
           "Prescribed spin of the pile about z [Zhang et al. 2021, section 2.3]."),
+    vector("strain_rate", &StageSpec::strain_rate, "1/s", magnitude(1e6),
+           "growth rate of the edges of the box, d ln(edge)/dt; negative: compression"),
+    number(
+        "packing", &StageSpec::packing, "", above(0, 10),
+        "the strain ends when the volume of the bodies over that of the box is this; absent: with the stage"),
 };
 
 const Keys<OutputSpec> kOutputKeys = {
@@ -181,6 +196,11 @@ const Keys<Scene> kSceneKeys = {
            {{"union", MassModel::union_volume}, {"spheres", MassModel::spheres}},
            "glued spheres that overlap: the covered volume counts once, or each sphere fully"),
     text("pile", &Scene::pile, kPath, "result file whose last snapshot supplies the bodies; absent: none"),
+    table("frame", &Scene::frame, kFrameKeys,
+          "Where the zero of all positions and velocities of the scene is; changes no result, recorded in "
+          "the result file. A double has 16 digits: for bodies 1.5e11 m away give this, and positions from "
+          "here."),
+    table("box", &Scene::box, kBoxKeys, "A periodic box: bodies meet the images of others one edge away."),
     tables("cloud", &Scene::clouds, kCloudKeys,
            "A ball of bodies at random positions and orientations, without overlap."),
     tables("body", &Scene::bodies, kBodyKeys, "One body put by hand."),

@@ -1,7 +1,10 @@
 #include "motion/drift.h"
 
+#include <atomic>
 #include <cmath>
+#include <limits>
 
+#include "body/cells.h"
 #include "core/parallel.h"
 
 namespace cairn {
@@ -70,8 +73,13 @@ void kick(Bodies& bodies, double dt) {
 
 void drift(Bodies& bodies, double dt, std::vector<Vec3>& spin_mid) {
   spin_mid.resize(bodies.size());
+  const double reach =
+      bodies.cell_edge > 0.0 ? kCellReach * bodies.cell_edge : std::numeric_limits<double>::infinity();
+  std::atomic<bool> left = false;
   parallel_for(bodies.size(), [&](std::size_t b) {
-    bodies.position[b] += dt * bodies.velocity[b];
+    Vec3& x = bodies.position[b];
+    x += dt * bodies.velocity[b];
+    if (x.cwiseAbs().maxCoeff() > reach) left.store(true, std::memory_order_relaxed);
     if (bodies.sphere_count(b) == 1) {  // the attitude of a loose sphere moves nothing
       const Vec3 w = bodies.spin[b].cwiseQuotient(bodies.inertia[b]);
       spin_mid[b] = tangent_ratio(0.25 * dt * dt * w.squaredNorm()) * w;
@@ -81,6 +89,14 @@ void drift(Bodies& bodies, double dt, std::vector<Vec3>& spin_mid) {
     const Quat turn = free_top_turn(attitude.conjugate() * bodies.spin[b], bodies.inertia[b], dt);
     spin_mid[b] = attitude * (2.0 / (dt * turn.w()) * turn.vec());
     attitude = (attitude * turn).normalized();
+  });
+  if (left) settle_cells(bodies);
+}
+
+void deform(Bodies& bodies, const Vec3& stretch) {
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    bodies.position[b] = bodies.position[b].cwiseProduct(stretch);
+    bodies.velocity[b] = bodies.velocity[b].cwiseQuotient(stretch);
   });
 }
 

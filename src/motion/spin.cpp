@@ -1,5 +1,6 @@
 #include "motion/spin.h"
 
+#include "body/cells.h"
 #include "core/parallel.h"
 
 namespace cairn {
@@ -52,16 +53,15 @@ double period_at(std::span<const SpinPoint> path, double t) {
 
 SpinCorrection impose_period(Bodies& bodies, std::span<const std::uint8_t> members, double period) {
   const std::size_t n = bodies.size();
-  const Vec3 origin = bodies.position.empty() ? Vec3::Zero() : bodies.position[0];
   const Sums sums = parallel_sum(n, Sums{}, [&](std::size_t b) {
     if (!members[b]) return Sums{};
     const double m = bodies.mass[b];
-    return Sums{m, m * (bodies.position[b] - origin), m * bodies.velocity[b]};
+    return Sums{m, m * separation(bodies, 0, b), m * bodies.velocity[b]};
   });
-  const Vec3 center = origin + sums.moment / sums.mass, drift = sums.momentum / sums.mass;
+  const Vec3 center = sums.moment / sums.mass, drift = sums.momentum / sums.mass;
   const Rotation now = parallel_sum(n, Rotation{}, [&](std::size_t b) {
     if (!members[b]) return Rotation{};
-    const Vec3 x = bodies.position[b] - center, v = bodies.velocity[b] - drift;
+    const Vec3 x = separation(bodies, 0, b) - center, v = bodies.velocity[b] - drift;
     const double m = bodies.mass[b];
     return Rotation{m * (x.x() * x.x() + x.y() * x.y()) + spin_response(bodies, b).z(),
                     m * (x.x() * v.y() - x.y() * v.x()) + bodies.spin[b].z()};
@@ -80,7 +80,7 @@ SpinCorrection impose_period(Bodies& bodies, std::span<const std::uint8_t> membe
   const Effect effect = parallel_sum(n, Effect{}, [&](std::size_t b) {
     if (!members[b]) return Effect{};
     const double before = kinetic_energy(bodies, b);
-    const Vec3 x = bodies.position[b] - center;
+    const Vec3 x = separation(bodies, 0, b) - center;
     const Vec3 dv = change * Vec3::UnitZ().cross(x), ds = change * spin_response(bodies, b);
     bodies.velocity[b] += dv;
     bodies.spin[b] += ds;

@@ -1,7 +1,9 @@
 #include "pile/assemble.h"
 
 #include <algorithm>
+#include <limits>
 
+#include "core/error.h"
 #include "pile/cloud.h"
 #include "pile/pile_file.h"
 #include "shape/library.h"
@@ -42,12 +44,45 @@ std::uint16_t material_index(const Scene& scene, const std::string& name) {
   return static_cast<std::uint16_t>(it - scene.materials.begin());
 }
 
+/// Radius (m) of the smallest sphere the scene will have.
+double smallest_radius(const Scene& scene, const Bodies& pile, Shapes& shapes) {
+  double smallest = std::numeric_limits<double>::infinity();
+  const auto consider = [&](const std::string& shape, double size) {
+    const std::vector<double>& radii = shapes.all()[shapes.index(shape)].radii;
+    smallest = std::min(smallest, size * *std::min_element(radii.begin(), radii.end()));
+  };
+  for (const CloudSpec& cloud : scene.clouds)
+    for (const ShapeChoice& choice : cloud.shapes) consider(choice.shape, cloud.size);
+  for (const BodySpec& body : scene.bodies) consider(body.shape, body.size);
+  for (const double radius : pile.spheres.radius) smallest = std::min(smallest, radius);
+  return smallest;
+}
+
+/// The pile and its box in the frame of the scene.
+Setup take_pile(const Scene& scene) {
+  const std::filesystem::path path = scene.directory / scene.pile;
+  Setup setup = read_pile(path, scene.materials);
+  displace(setup.bodies, setup.frame.position - scene.frame.position,
+           setup.frame.velocity - scene.frame.velocity);
+  if (setup.box.periodic() && !scene.box)
+    throw InputError("{}: this pile was made in a periodic box; expected a [box]", path.string());
+  if (scene.box && scene.box->size == Vec3::Zero() && !setup.box.periodic())
+    throw InputError("box.size: expected an edge above 0 m, because the pile in {} has no box",
+                     path.string());
+  return setup;
+}
+
 }  // namespace
 
 Setup assemble(const Scene& scene) {
   Setup setup;
-  if (!scene.pile.empty()) setup = read_pile(scene.directory / scene.pile, scene.materials);
+  if (!scene.pile.empty()) setup = take_pile(scene);
+  setup.frame = scene.frame;
+  if (scene.box && scene.box->size != Vec3::Zero()) setup.box.edge = scene.box->size;
   Shapes shapes(scene, std::move(setup.shapes));
+  // Walls and boxes stay where they are: no frame of the bodies' own, no cells.
+  const bool free = scene.walls.empty() && !scene.box;
+  set_cell_edge(setup.bodies, free ? cell_edge(smallest_radius(scene, setup.bodies, shapes)) : 0.0);
   std::uint64_t stream = 0;
   for (const CloudSpec& cloud : scene.clouds) {
     std::vector<std::uint32_t> index;
@@ -59,8 +94,17 @@ Setup assemble(const Scene& scene) {
     const std::uint32_t index = shapes.index(body.shape);
     add_body(setup.bodies, shapes.all()[index], index, body.size, body.density,
              material_index(scene, body.material),
-             {body.position, body.orientation, body.velocity, body.angular_velocity});
+             {.orientation = body.orientation,
+              .velocity = body.velocity,
+              .angular_velocity = body.angular_velocity,
+              .origin = body.position});
   }
+  if (free) {
+    const Frame own = take_frame(setup.bodies);
+    setup.frame.position += own.position;
+    setup.frame.velocity += own.velocity;
+  }
+  place_spheres(setup.bodies);
   setup.shapes = shapes.names();
   return setup;
 }

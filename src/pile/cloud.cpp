@@ -141,10 +141,11 @@ void add_cloud(const CloudSpec& cloud, const std::vector<RigidShape>& shapes,
   const Vec3 spin = cloud.spin_period > 0.0 ? Vec3(0.0, 0.0, 2.0 * kPi / cloud.spin_period) : Vec3::Zero();
   for (const Grain& g : grains)
     add_body(bodies, shapes[g.shape], g.shape, g.size, cloud.density, material,
-             {.position = cloud.position + g.position,
+             {.position = g.position,
               .orientation = g.orientation,
               .velocity = cloud.velocity + spin.cross(g.position),
-              .angular_velocity = spin});
+              .angular_velocity = spin,
+              .origin = cloud.position});
 }
 
 }  // namespace cairn

@@ -14,7 +14,8 @@ namespace {
 void check_pile(const State& state, std::size_t materials, const ContactColumns& contacts) {
   const Bodies& bodies = state.bodies;
   const std::size_t spheres = bodies.spheres.size();
-  if (bodies.position.size() != bodies.size())
+  if (bodies.position.size() != bodies.size() ||
+      (!bodies.cell.empty() && bodies.cell.size() != bodies.size()))
     throw InputError("checkpoint: expected as many poses as bodies");
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (bodies.material[b] >= materials)
@@ -71,6 +72,9 @@ Setup read_pile(const std::filesystem::path& path, const std::vector<Material>& 
     throw InputError("{}: {}", path.string(), error.what());
   }
   setup.bodies = std::move(state.bodies);
+  setup.frame = state.frame;
+  setup.frame.position += state.clock.time() * state.frame.velocity;
+  setup.box.edge = state.box.edge;
   setup.contacts = contacts.records();
   setup.k_n = state.k_n;
   return setup;

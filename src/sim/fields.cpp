@@ -80,6 +80,7 @@ FieldTable WallColumns::table(const std::string& prefix) {
 FieldTable body_constants(Bodies& b) {
   return {
       {"mass", "kg", "mass", &b.mass, "body"},
+      {"volume", "m^3", "mass over density", &b.volume, "body"},
       {"inertia", "kg m^2", "principal moments of inertia", &b.inertia, "body"},
       {"shape", "", "index into /shapes", &b.shape, "body"},
       {"size", "m", "reference radius that scales the shape", &b.length, "body"},
@@ -96,7 +97,7 @@ FieldTable sphere_constants(Bodies& b) {
 }
 
 FieldTable motion_fields(Bodies& b) {
-  return {{"position", "m", "centre of mass", &b.position, "body"},
+  return {{"position", "m", "centre of mass, from the centre of its cell", &b.position, "body"},
           {"velocity", "m/s", "of the centre of mass", &b.velocity, "body"},
           {"orientation", "", "quaternion w, x, y, z: principal frame to space", &b.orientation, "body"},
           {"angular_momentum", "kg m^2/s", "about the centre of mass", &b.spin, "body"}};
@@ -105,7 +106,17 @@ FieldTable motion_fields(Bodies& b) {
 FieldTable checkpoint_fields(State& s, ContactColumns& contacts, WallColumns& walls) {
   FieldTable table = motion_fields(s.bodies);
   const auto add = [&](const FieldTable& more) { table.insert(table.end(), more.begin(), more.end()); };
-  add({{"force", "N", "of the last evaluation", &s.bodies.force, "body"},
+  add({{"cell", "", "whole numbers: a body is at cell_edge * cell + position; empty: all are 0",
+        &s.bodies.cell},
+       {"cell_edge", "m", "of the lattice of cells; 0: none", &s.bodies.cell_edge},
+       {"frame/position", "m", "zero of all positions, at time 0", &s.frame.position},
+       {"frame/velocity", "m/s", "of the zero", &s.frame.velocity},
+       {"box/edge", "m", "of the periodic box; 0: open in that direction", &s.box.edge},
+       {"box/rate", "1/s", "d ln(edge)/dt", &s.box.rate},
+       {"strain/start", "m", "edges at the start of the stage", &s.strain.start},
+       {"strain/rate", "1/s", "of the stage", &s.strain.rate},
+       {"strain/until", "s", "since the start of the stage: when the strain ends", &s.strain.until},
+       {"force", "N", "of the last evaluation", &s.bodies.force, "body"},
        {"torque", "N m", "of the last evaluation, about the centre of mass", &s.bodies.torque, "body"},
        {"remnant", "", "1: part of the largest remnant", &s.remnant, "body"},
        {"gravity/force", "N", "self-gravity when last renewed", &s.gravity.force, ""},

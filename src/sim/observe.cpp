@@ -47,9 +47,9 @@ constexpr Column kColumns[] = {
     {&O::angular_y, "angular_momentum_y", "kg m^2/s", "total about the mass centre, spins included"},
     {&O::angular_z, "angular_momentum_z", "kg m^2/s", "total about the mass centre, spins included"},
     {&O::momentum_drift, "momentum_drift", "",
-     "|P - P_start| over the sum of |P_b|; NaN with walls or a field"},
+     "|P - P_start| over the sum of |P_b|; NaN with walls, a field or a strain"},
     {&O::angular_drift, "angular_momentum_drift", "",
-     "|L - L_start - given by control| over the sum of |X x P| + |spin|; NaN with walls"},
+     "|L - L_start - given by control| over the sum of |X x P| + |spin|; NaN with walls or a box"},
     {&O::contacts, "contacts", "", "touching pairs of spheres, walls included"},
     {&O::coordination, "coordination", "", "2 x sphere contacts / spheres"},
     {&O::touching_bodies, "touching_bodies", "", "pairs of bodies that touch, each once"},
@@ -57,6 +57,8 @@ constexpr Column kColumns[] = {
     {&O::remnant_mass_fraction, "remnant_mass_fraction", "", "mass of the largest remnant over all"},
     {&O::shed_bodies, "shed_bodies", "", "bodies that are not part of the largest remnant"},
     {&O::fragments, "fragments", "", "groups of connected bodies"},
+    {&O::packing, "packing", "",
+     "volume of the bodies over that of the periodic box; NaN without a closed one"},
     {&O::control_active, "control_active", "", "1 while the spin is controlled"},
 };
 
@@ -74,7 +76,7 @@ std::size_t touching_body_pairs(const State& state) {
 
 void observe_remnant(State& state, double link_gap, Observation& o) {
   const Bodies& bodies = state.bodies;
-  const Fragments fragments = find_fragments(bodies, link_gap);
+  const Fragments fragments = find_fragments(bodies, link_gap, state.box);
   const std::vector<std::uint32_t> remnant = fragments.members(0);
   state.remnant.assign(bodies.size(), 0);
   for (std::uint32_t b : remnant) state.remnant[b] = 1;
@@ -143,12 +145,13 @@ Observation observe(const Physics& physics, State& state, Scratch& scratch, doub
   o.angular_z = l.z();
   const bool walls = !state.walls.empty();
   const auto relative = [](double drift, double scale) { return scale > 0.0 ? drift / scale : drift; };
-  o.momentum_drift = walls || physics.field != Vec3::Zero()
+  o.momentum_drift = walls || physics.field != Vec3::Zero() || physics.strain_rate != Vec3::Zero()
                          ? none
                          : relative((p - ledger.start_momentum).norm(), total.momentum_scale);
-  o.angular_drift = walls ? none
-                          : relative((l - ledger.start_angular_momentum - ledger.control_momentum).norm(),
-                                     total.angular_scale_about_center);
+  o.angular_drift = walls || state.box.periodic()
+                        ? none
+                        : relative((l - ledger.start_angular_momentum - ledger.control_momentum).norm(),
+                                   total.angular_scale_about_center);
 
   std::size_t contacts = 0;
   for (std::size_t slot = 0; slot < state.contacts.slots(); ++slot) contacts += state.contacts.touching(slot);
@@ -157,6 +160,7 @@ Observation observe(const Physics& physics, State& state, Scratch& scratch, doub
   o.touching_bodies = static_cast<double>(touching_body_pairs(state));
   o.largest_overlap = ledger.recent_overlap;
   ledger.recent_overlap = 0.0;
+  o.packing = state.box.closed() ? packing_fraction(physics, state.box) : none;
   o.control_active = state.control.active ? 1.0 : 0.0;
   return o;
 }

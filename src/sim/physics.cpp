@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "contact/stiffness.h"
 #include "core/error.h"
@@ -139,6 +140,10 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   p.gravity_interval = static_cast<std::uint64_t>(scene.gravity.interval);
   p.field = scene.gravity.field;
   p.spin = stage.spin;
+  p.strain_rate = stage.strain_rate;
+  p.packing = stage.packing;
+  p.body_volume = std::accumulate(bodies.volume.begin(), bodies.volume.end(), 0.0);
+  if (scene.box) p.least_edge = least_edge(bodies);
   if (stage.spin && stage.spin->control_interval > 0.0)
     p.control_steps = whole_steps(stage.spin->control_interval, dt);
   p.series_interval =
@@ -171,7 +176,11 @@ std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies) 
   return out;
 }
 
-std::string describe_models(const Physics& physics, const Bodies& bodies, bool walls) {
+double packing_fraction(const Physics& physics, const Box& box) {
+  return physics.body_volume / box.volume();
+}
+
+std::string describe_models(const Physics& physics, const Bodies& bodies, bool walls, bool box) {
   const Features& f = physics.contacts.features;
   std::string text = bodies.size() == bodies.spheres.size() ? "loose spheres" : "aggregates";
   text += "; normal";
@@ -181,6 +190,8 @@ std::string describe_models(const Physics& physics, const Bodies& bodies, bool w
   if (f.cohesion) text += " + cohesion";
   if (f.rolling_slip) text += " (rolling slip of Zhang 2017)";
   if (walls) text += "; walls";
+  if (box) text += "; periodic box";
+  if (physics.strain_rate != Vec3::Zero()) text += ", strained";
   if (physics.gravity == GravityMethod::direct) text += "; direct gravity";
   if (physics.gravity == GravityMethod::tree)
     text += fmt::format("; tree gravity, opening {:g}, order {}", physics.tree.theta, physics.tree.order);

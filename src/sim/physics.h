@@ -24,7 +24,11 @@ struct Physics {
   std::uint64_t gravity_interval = 1;  ///< steps
   Vec3 field = Vec3::Zero();           ///< m/s^2
   std::optional<SpinSpec> spin;
-  std::uint64_t control_steps = 1;  ///< steps between spin corrections
+  Vec3 strain_rate = Vec3::Zero();   ///< 1/s, of the periodic box
+  std::optional<double> packing;     ///< the strain ends there
+  double body_volume = 0.0;          ///< m^3, of all bodies
+  double least_edge = 0.0;           ///< m, of a periodic box
+  std::uint64_t control_steps = 1;   ///< steps between spin corrections
   double series_interval = 0.0;     ///< s, between rows of the series, and between checks for failure
   double snapshot_interval = 0.0;   ///< s; 0: only at the end of the stage
 };
@@ -42,7 +46,10 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
 /// bodies that could pass through each other or turn too far in one step.
 std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies);
 
+/// The part of the box that the bodies fill; those glued of overlapping spheres count by their mass model.
+double packing_fraction(const Physics& physics, const Box& box);
+
 /// A short list of the models in the step, e.g. "tangential + rolling + twisting + cohesion, tree gravity".
-std::string describe_models(const Physics& physics, const Bodies& bodies, bool walls);
+std::string describe_models(const Physics& physics, const Bodies& bodies, bool walls, bool box);
 
 }  // namespace cairn

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/timer.h"
 #include "io/xdmf.h"
+#include "sim/display.h"
 #include "sim/fields.h"
 #include "sim/make_walls.h"
 
@@ -27,7 +28,8 @@ bool due(const Clock& clock, double interval) {
 void check_checkpoint(const std::filesystem::path& path, const Scene& scene, const State& state) {
   const std::size_t n = state.bodies.size();
   const auto fail = [&](const char* what) { throw InputError("{}: checkpoint: {}", path.string(), what); };
-  if (state.bodies.position.size() != n || state.remnant.size() != n)
+  const std::size_t cells = state.bodies.cell.size();
+  if (state.bodies.position.size() != n || state.remnant.size() != n || (cells != 0 && cells != n))
     fail("as many poses as bodies expected");
   if (state.clock.stage >= scene.stages.size()) fail("its stage is not in the scene");
   const std::size_t held = state.gravity.force.size();
@@ -51,6 +53,8 @@ Run::Run(Scene scene, Setup setup, ResultFile results) : Run(std::move(scene), s
   shapes_ = setup.shapes;
   inherited_ = std::move(setup.contacts);
   state_.bodies = std::move(setup.bodies);
+  state_.frame = setup.frame;
+  state_.box = setup.box;
   state_.k_n = setup.k_n;
   state_.remnant.assign(state_.bodies.size(), 1);
   prepare_bodies();
@@ -70,6 +74,9 @@ Run::Run(Scene scene, Setup setup, ResultFile results) : Run(std::move(scene), s
   for (const Material& m : scene_.materials) materials.push_back(m.name);
   results_.write_static("shapes", {{"name", "", "library name or path", &shapes_}});
   results_.write_static("materials", {{"name", "", "as in the scene", &materials}});
+  results_.write_static("frame",
+                        {{"position", "m", "zero of all positions, at time 0", &state_.frame.position},
+                         {"velocity", "m/s", "of the zero: add it to velocities", &state_.frame.velocity}});
   results_.declare_series(series_columns());
 }
 
@@ -151,19 +158,21 @@ void Run::look() {
 }
 
 void Run::add_snapshot() {
-  Bodies& bodies = state_.bodies;
-  const Spheres& spheres = bodies.spheres;
-  std::vector<Vec3f> positions(spheres.size());
-  for (std::size_t s = 0; s < spheres.size(); ++s) positions[s] = spheres.position[s].cast<float>();
-  std::vector<std::uint16_t> touching(spheres.size(), 0);
+  Display display = make_display(state_);
+  std::vector<std::uint16_t> touching(sphere_count(), 0);
   for (std::size_t slot = 0; slot < state_.contacts.slots(); ++slot)
     if (state_.contacts.touching(slot)) {
       ++touching[state_.contacts.pair(slot).i];
       ++touching[state_.contacts.pair(slot).j];
     }
-  FieldTable table = motion_fields(bodies);
+  FieldTable table = motion_fields(state_.bodies);
+  table.front() = {"position", "m", "centre of mass, from origin", &display.bodies, "body"};
+  table.push_back({"origin", "m", "of the positions here, from the zero of /frame", &display.origin});
+  table.push_back({"box", "m", "edges of the periodic box; 0: open in that direction", &state_.box.edge});
   table.push_back({"remnant", "", "1: part of the largest remnant", &state_.remnant, "body"});
-  table.push_back({"sphere_position", "m", "centre, for display", &positions, "sphere"});
+  table.push_back({"sphere_position", "m",
+                   "centre, from origin, for display; in the periodic box the image in it", &display.spheres,
+                   "sphere"});
   table.push_back({"sphere_contacts", "", "number of touching spheres", &touching, "sphere"});
   table.push_back({"period", "s", "spin period of the largest remnant", &last_.period});
   table.push_back({"failed", "", "the pile has failed", &state_.control.failed});

@@ -4,13 +4,16 @@
 #include <string>
 #include <vector>
 
-#include "body/bodies.h"
+#include "body/cells.h"
+#include "contact/box.h"
 #include "contact/history.h"
 
 namespace cairn {
 
 struct Setup {
   Bodies bodies;
+  Frame frame;  ///< of the bodies at the start
+  Box box;
   std::vector<std::string> shapes;      ///< name of each shape number
   std::vector<ContactRecord> contacts;  ///< of a pile read from a file
   double k_n = 0.0;                     ///< N/m, stiffness those contacts had; 0: none

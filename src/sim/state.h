@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "body/bodies.h"
+#include "body/cells.h"
+#include "contact/box.h"
 #include "contact/history.h"
 #include "contact/walls.h"
 #include "gravity/renewal.h"
@@ -52,6 +53,9 @@ struct Ledger {
 
 struct State {
   Bodies bodies;
+  Frame frame;    ///< of the bodies, at the start of the run
+  Box box;        ///< now
+  Strain strain;  ///< of the box, in the stage
   ContactList contacts;
   Walls walls;
   gravity::HeldGravity gravity;

@@ -1,8 +1,10 @@
 #include "sim/step.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "analysis/spin_state.h"
+#include "body/cells.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/timer.h"
@@ -18,24 +20,71 @@ double& time_of(Scratch& scratch, Phase phase) {
   return scratch.times[static_cast<std::size_t>(phase)];
 }
 
-gravity::Points points_of(const Bodies& bodies) {
-  return {bodies.spheres.position, bodies.spheres.mass, bodies.first_sphere};
+/// Places from the zero of the frame: the bodies' own positions where one cell holds all.
+struct Places {
+  std::span<const Vec3> bodies, spheres;
+};
+Places places_of(const Bodies& bodies, Scratch& scratch) {
+  if (bodies.cell.empty()) return {bodies.position, bodies.spheres.position};
+  scratch.body_places.resize(bodies.size());
+  scratch.sphere_places.resize(bodies.spheres.size());
+  parallel_for(bodies.size(), [&](std::size_t b) { scratch.body_places[b] = place(bodies, b); });
+  parallel_for(bodies.spheres.size(),
+               [&](std::size_t s) { scratch.sphere_places[s] = sphere_place(bodies, s); });
+  return {scratch.body_places, scratch.sphere_places};
 }
 
-/// The rigid motion that carries the bodies' total momentum and angular momentum.
-RigidMotion rigid_motion(const Bodies& bodies, double time) {
-  const SpinState whole = spin_state(bodies, all_bodies(bodies));
-  return {whole.center, whole.velocity, rotation_rate(whole), time};
+/// The rigid motion that carries the bodies' total momentum and angular momentum; images cannot turn.
+RigidMotion rigid_motion(const State& state) {
+  const SpinState whole = spin_state(state.bodies, all_bodies(state.bodies));
+  if (state.box.periodic()) return {Vec3::Zero(), whole.velocity, Vec3::Zero(), state.clock.time()};
+  return {whole.center, whole.velocity, rotation_rate(whole), state.clock.time()};
+}
+
+/// The box as it is at the end of a step of dt that ends now.
+void strain_box(State& state, double dt) {
+  const double t = state.clock.stage_time();
+  const Strain& strain = state.strain;
+  state.box.edge = strain.edge(t);
+  state.box.rate = (std::min(t, strain.until) - std::min(t - dt, strain.until)) / dt * strain.rate;
+}
+
+void check_box(const Physics& physics, const State& state) {
+  for (const double edge : state.box.edge) {
+    if (edge == 0.0 || edge > physics.least_edge) continue;
+    const std::string what = fmt::format(
+        "the periodic box is {:g} m wide; these bodies need more than {:g} m", edge, physics.least_edge);
+    if (state.clock.total_steps == 0) throw InputError("{}", what);
+    throw UnstableError("t = {:.6g} s: {}", state.clock.time(), what);
+  }
+}
+
+/// The strain of the stage, from the box as it is.
+Strain begin_strain(const Physics& physics, const Box& box) {
+  Strain strain{.start = box.edge, .rate = (box.edge.array() > 0.0).select(physics.strain_rate, 0.0)};
+  if (!physics.packing) return strain;
+  if (!box.closed()) throw InputError("stage.packing: the box is open, no packing fraction can be reached");
+  const double now = packing_fraction(physics, box);
+  const double growth = std::log(now / *physics.packing);  // of the volume
+  strain.until = std::abs(growth) > 1e-12 ? growth / strain.rate.sum() : 0.0;
+  if (strain.until < 0.0)
+    throw InputError("stage.packing: the bodies fill {:g} of the box, and strain_rate leads away from {:g}",
+                     now, *physics.packing);
+  return strain;
 }
 
 /// Makes the list of candidate pairs good for the present positions.
 void refresh_neighbours(const Physics& physics, State& state, Scratch& scratch) {
   ++scratch.list_age;
-  if (!scratch.candidates.expired(state.bodies, state.clock.time())) return;
+  if (!scratch.candidates.expired(state.bodies, state.clock.time(), state.box)) {
+    state.contacts.lattice = state.box.periodic() ? state.box.edge : state.contacts.lattice;
+    state.contacts.lattice_rate = state.box.rate;
+    return;
+  }
   scratch.candidates.adapt_skin(scratch.list_age);
   scratch.list_age = 0;
-  scratch.candidates.rebuild(state.bodies, rigid_motion(state.bodies, state.clock.time()),
-                             physics.contacts.features, state.contacts);
+  scratch.candidates.rebuild(state.bodies, rigid_motion(state), physics.contacts.features, state.contacts,
+                             state.box);
 }
 
 void check_overlap(const Physics& physics, const State& state, double pairs, const WallReport& walls) {
@@ -83,13 +132,14 @@ void evaluate_contacts(const Physics& physics, const SweepSettings& settings, St
 }
 
 /// Accelerations of all spheres by the method of the stage, and potentials when asked for.
-void attract(const Physics& physics, const Bodies& bodies, Scratch& scratch,
+void attract(const Physics& physics, const Bodies& bodies, const Places& places, Scratch& scratch,
              std::span<double> potential = {}) {
   scratch.acceleration.resize(bodies.spheres.size());
+  const gravity::Points points{places.spheres, bodies.spheres.mass, bodies.first_sphere};
   if (physics.gravity == GravityMethod::direct)
-    scratch.direct.evaluate(points_of(bodies), scratch.acceleration, potential);
+    scratch.direct.evaluate(points, scratch.acceleration, potential);
   else
-    scratch.tree.evaluate(points_of(bodies), scratch.acceleration, potential);
+    scratch.tree.evaluate(points, scratch.acceleration, potential);
 }
 
 /// Forces and torques of self-gravity, evaluated every few steps and turned with the pile between.
@@ -98,14 +148,15 @@ void add_gravity(const Physics& physics, State& state, Scratch& scratch) {
   const double time = state.clock.time();
   scratch.force.resize(bodies.size());
   scratch.torque.resize(bodies.size());
+  const Places places = places_of(bodies, scratch);
   if (state.clock.step % physics.gravity_interval == 0) {
-    attract(physics, bodies, scratch);
+    attract(physics, bodies, places, scratch);
     gravity::sum_groups(bodies.spheres.position, bodies.spheres.mass, bodies.first_sphere,
                         scratch.acceleration, bodies.position, scratch.force, scratch.torque);
-    gravity::renew(state.gravity, bodies.position, bodies.mass, scratch.force, scratch.torque, time,
-                   rigid_motion(bodies, time).spin);
+    gravity::renew(state.gravity, places.bodies, bodies.mass, scratch.force, scratch.torque, time,
+                   rigid_motion(state).spin);
   }
-  gravity::extrapolate(state.gravity, time, bodies.position, bodies.mass, scratch.force, scratch.torque);
+  gravity::extrapolate(state.gravity, time, places.bodies, bodies.mass, scratch.force, scratch.torque);
   parallel_for(bodies.size(), [&](std::size_t b) {
     bodies.force[b] += scratch.force[b];
     bodies.torque[b] += scratch.torque[b];
@@ -135,8 +186,8 @@ void control_spin(const Physics& physics, State& state, Scratch& scratch) {
 
 void prepare_scratch(const Physics& physics, State& state, Scratch& scratch) {
   state.walls.set_laws(physics.materials, physics.wall_materials, physics.k_n);
-  scratch.candidates.rebuild(state.bodies, rigid_motion(state.bodies, state.clock.time()),
-                             physics.contacts.features, state.contacts);
+  scratch.candidates.rebuild(state.bodies, rigid_motion(state), physics.contacts.features, state.contacts,
+                             state.box);
   scratch.list_age = 0;
   scratch.everyone.assign(state.bodies.size(), 1);
   if (physics.gravity == GravityMethod::tree) scratch.tree = gravity::Fmm(physics.tree);
@@ -146,6 +197,11 @@ void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inher
                  Scratch& scratch) {
   Bodies& bodies = state.bodies;
   place_spheres(bodies);
+  if (state.box.periodic()) {
+    check_box(physics, state);
+    state.strain = begin_strain(physics, state.box);
+    state.box.rate = state.strain.acts(0.0) ? state.strain.rate : Vec3::Zero();
+  }
   // Springs keep their forces: their lengths scale with the inverse of the stiffness.
   const double ratio = state.k_n > 0.0 ? state.k_n / physics.k_n : 1.0;
   const auto rescale = [ratio](auto& contacts) {
@@ -171,7 +227,7 @@ void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inher
   still.dt = 0.0;
   scratch.spin_mid.resize(bodies.size());
   parallel_for(bodies.size(), [&](std::size_t b) { scratch.spin_mid[b] = angular_velocity(bodies, b); });
-  compute_motions(bodies, scratch.spin_mid, 0.0, scratch.motions);
+  compute_motions(bodies, scratch.spin_mid, 0.0, scratch.motions, state.box.rate);
   evaluate_contacts(physics, still, state, scratch);
   add_fields(physics, state, scratch);
 }
@@ -182,9 +238,21 @@ void step(const Physics& physics, State& state, Scratch& scratch) {
   {
     ScopedTimer timer(time_of(scratch, Phase::motion));
     kick(bodies, 0.5 * dt);
-    drift(bodies, dt, scratch.spin_mid);
+    const bool strained = state.strain.acts(state.clock.stage_time());
     ++state.clock.step;
     ++state.clock.total_steps;
+    if (strained) {
+      const Vec3 before = state.box.edge;
+      strain_box(state, dt);
+      check_box(physics, state);
+      const Vec3 half = (before.array() > 0.0).select(state.box.edge.cwiseQuotient(before).cwiseSqrt(), 1.0);
+      deform(bodies, half);
+      drift(bodies, dt, scratch.spin_mid);
+      deform(bodies, half);
+    } else {
+      state.box.rate.setZero();
+      drift(bodies, dt, scratch.spin_mid);
+    }
     place_spheres(bodies);
   }
   {
@@ -193,7 +261,7 @@ void step(const Physics& physics, State& state, Scratch& scratch) {
   }
   {
     ScopedTimer timer(time_of(scratch, Phase::contacts));
-    compute_motions(bodies, scratch.spin_mid, dt, scratch.motions);
+    compute_motions(bodies, scratch.spin_mid, dt, scratch.motions, state.box.rate);
     evaluate_contacts(physics, physics.contacts, state, scratch);
   }
   {
@@ -214,7 +282,7 @@ double gravitational_energy(const Physics& physics, const Bodies& bodies, Scratc
   if (physics.gravity == GravityMethod::none) return 0.0;
   const std::size_t n = bodies.spheres.size();
   std::vector<double> potential(n);
-  attract(physics, bodies, scratch, potential);
+  attract(physics, bodies, places_of(bodies, scratch), scratch, potential);
   return 0.5 * parallel_sum(n, 0.0, [&](std::size_t s) { return bodies.spheres.mass[s] * potential[s]; });
 }
 

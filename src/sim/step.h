@@ -30,12 +30,14 @@ struct Scratch {
   gravity::DirectSum direct;
   gravity::Fmm tree;
   std::vector<Vec3> acceleration, force, torque;  ///< of gravity
+  std::vector<Vec3> body_places, sphere_places;   ///< for gravity, of bodies in several cells
   PhaseTimes times{};
 };
 
 /// Prepares a stage: the contacts it inherits take its stiffness and materials (springs keep their forces),
 /// wrenches are evaluated at the present poses and velocities.
-/// @throws InputError when bodies overlap beyond the bound before the first step.
+/// @throws InputError when bodies overlap beyond the bound before the first step, when the box is too small
+/// for them, and when its strain leads away from the packing fraction asked for.
 void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inherited, State& state,
                  Scratch& scratch);
 
@@ -43,7 +45,8 @@ void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inher
 void prepare_scratch(const Physics& physics, State& state, Scratch& scratch);
 
 /// Advances the state by one step.
-/// @throws UnstableError when an overlap passes the bound or a position is not finite.
+/// @throws UnstableError when an overlap passes the bound, a position is not finite or the box becomes too
+/// small.
 void step(const Physics& physics, State& state, Scratch& scratch);
 
 /// Gravitational energy of the spheres of different bodies (J), by the method of the stage.

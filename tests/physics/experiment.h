@@ -17,7 +17,10 @@ struct Experiment {
   Scratch scratch;
 
   explicit Experiment(const std::string& text) : scene(parse_scene(text, "experiment.toml", ".")) {
-    state.bodies = assemble(scene).bodies;
+    Setup setup = assemble(scene);
+    state.bodies = std::move(setup.bodies);
+    state.frame = setup.frame;
+    state.box = setup.box;
     state.remnant.assign(state.bodies.size(), 1);
     state.walls.walls = make_walls(scene);
     place_spheres(state.bodies);

@@ -130,6 +130,25 @@ name = "fall"
 duration = 1
 )";
 
+// A periodic slab that is compressed to a packing fraction, far away.
+inline const char* const kBoxScene = R"(
+[frame]
+position = [1.5e11, 0, -2]
+velocity = [0, 3e4, 0]
+[box]
+size = [30, 40, 0]
+[[body]]
+shape = "sphere"
+density = 2500
+[gravity]
+method = "none"
+[[stage]]
+name = "compress"
+duration = 10
+strain_rate = [-0.01, -0.02, 0]
+packing = 0.64
+)";
+
 // As little as a scene can say.
 inline const char* const kShortScene = R"(
 [[body]]

@@ -279,5 +279,33 @@ TEST(SceneErrors, FilesThatCannotBeRead) {
   std::filesystem::remove_all(directory);
 }
 
+TEST(SceneErrors, WhatAPeriodicBoxCannotHave) {
+  const std::string box = kGood + "[gravity]\nmethod = 'none'\n[box]\nsize = [9, 0, 9]\n";  // lines 7 to 10
+  EXPECT_EQ(error_of(box), "no error");
+  expect_errors(kGood, {{"[box]\nsize = [9, 9, 9]",
+                         "s.toml:1:1: key 'gravity.method': self-gravity has no meaning in a periodic box; "
+                         "expected 'none' with [box]"},
+                        {"[gravity]\nmethod = 'tree'\n[box]\nsize = [9, 9, 9]",
+                         "s.toml:8:10: key 'gravity.method': self-gravity has no meaning in a periodic box; "
+                         "expected 'none' with [box]"},
+                        {"strain_rate = [1, 0, 0]",
+                         "s.toml:7:15: key 'stage[0].strain_rate': has no effect without a [box]"},
+                        {"[gravity]\nmethod = 'none'\n[box]\nsize = [0, 0, 0]",
+                         "s.toml:10:8: key 'box.size': expected an edge above 0 m, or a pile that has a box"},
+                        {"[box]\nsize = [9, -9, 9]",
+                         "s.toml:8:12: key 'box.size[1]': expected 0 <= x <= 1e12 in m, found -9"}});
+  const std::string good = box.substr(0, box.find("[gravity]"));
+  EXPECT_EQ(error_of(good + "strain_rate = [0, 1, 0]" + box.substr(good.size() - 1)),
+            "s.toml:7:15: key 'stage[0].strain_rate': expected 0 along the open directions of the box");
+  EXPECT_EQ(
+      error_of(good + "packing = 0.6" + box.substr(good.size() - 1)),
+      "s.toml:7:11: key 'stage[0].packing': has no effect unless strain_rate changes the volume of the box");
+  EXPECT_EQ(error_of(good + "[stage.spin]\npath = [[0, 9]]" + box.substr(good.size() - 1)),
+            "s.toml:7:1: key 'stage[0].spin': a periodic box cannot spin");
+  EXPECT_EQ(error_of(box + "[[wall]]\nkind = 'plane'\nnormal = [1, 0, 0]"),
+            "s.toml:12:10: key 'wall[0].normal': expected 0 along the periodic directions of the box");
+  EXPECT_EQ(error_of(box + "[[wall]]\nkind = 'plane'\nnormal = [0, 1, 0]"), "no error");
+}
+
 }  // namespace
 }  // namespace cairn

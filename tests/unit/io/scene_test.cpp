@@ -137,6 +137,16 @@ TEST(Scene, BodiesAndWallsArriveWithUnitDirections) {
   EXPECT_EQ(ball.rotation_point, Vec3(1, 2, 3));  // turns about its centre unless told otherwise
 }
 
+TEST(Scene, FrameBoxAndStrainArrive) {
+  const Scene scene = parse(kBoxScene);
+  EXPECT_EQ(scene.frame.position, Vec3(1.5e11, 0, -2));
+  EXPECT_EQ(scene.frame.velocity, Vec3(0, 3e4, 0));
+  ASSERT_TRUE(scene.box);
+  EXPECT_EQ(scene.box->size, Vec3(30, 40, 0));
+  EXPECT_EQ(scene.stages[0].strain_rate, Vec3(-0.01, -0.02, 0));
+  EXPECT_EQ(scene.stages[0].packing, 0.64);
+}
+
 TEST(Scene, LeftOutKeysKeepTheDefaultsOfTheStructs) {
   const Scene scene = parse(kShortScene);
   const Scene plain;
@@ -200,7 +210,7 @@ std::string without_indices(std::string key) {
 TEST(SceneKeys, SamplesCoverEveryKey) {
   std::set<std::string> keys, given;
   collect(scene_keys().infos, "", keys);
-  for (const char* const text : {kPileScene, kBodyScene})
+  for (const char* const text : {kPileScene, kBodyScene, kBoxScene})
     for (const std::string& key : parse(text).sources.keys()) given.insert(without_indices(key));
   EXPECT_EQ(given, keys);
   EXPECT_GT(keys.size(), 70u);

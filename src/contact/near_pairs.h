@@ -1,0 +1,37 @@
+// Pairs of near spheres, whatever cells or images of a periodic box they are in.
+#pragma once
+
+#include <vector>
+
+#include "contact/box.h"
+#include "contact/search.h"
+
+namespace cairn {
+
+/// Keeps its scratch memory, as NeighbourSearch does.
+class NearPairs {
+ public:
+  /// All pairs of spheres of different bodies whose surfaces are closer than `gap` (m, >= 0), sorted by
+  /// (i, j). Sphere centres must be up to date.
+  /// @throws UnstableError for a position that is not finite, InputError for an unusable gap and for a box so
+  /// small that a sphere could see another one in two images (an edge up to 4 largest radii + 2 gaps).
+  void find(const Bodies& bodies, const Box& box, double gap, std::vector<Pair>& pairs);
+
+ private:
+  void find_across_cells(const Bodies& bodies, double gap, std::vector<Pair>& pairs);
+  void find_in_box(const Bodies& bodies, const Box& box, double gap, std::vector<Pair>& pairs);
+
+  NeighbourSearch search_;
+  // Spheres in plain coordinates, and after them their images near the box.
+  std::vector<Vec3> positions_;
+  std::vector<double> radii_;
+  std::vector<std::uint32_t> body_, original_;
+};
+
+/// Centre of sphere s from the zero of the scene's frame (m), rounded where that is far.
+inline Vec3 sphere_place(const Bodies& bodies, std::size_t s) {
+  if (bodies.cell.empty()) return bodies.spheres.position[s];
+  return bodies.spheres.position[s] + bodies.cell_edge * bodies.cell[bodies.spheres.body[s]];
+}
+
+}  // namespace cairn
