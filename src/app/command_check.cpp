@@ -57,10 +57,9 @@ void check(const Options& options) {
     fmt::print(
         "stage {} '{}'\n  models     {}\n  stiffness  {:.4g} N/m; shortest contact {:.4g} s\n"
         "  time step  {:.4g} s (longest safe {:.4g} s), {} steps for {:.6g} s\n",
-        k, scene.stages[k].name,
-        describe_models(physics, setup.bodies, !walls.empty(), setup.box.periodic()), physics.k_n,
-        physics.contact_time, physics.contacts.dt, kLongestSafeStep * physics.contact_time, physics.steps,
-        scene.stages[k].duration);
+        k, scene.stages[k].name, describe_models(physics, setup.bodies, !walls.empty(), setup.box.periodic()),
+        physics.k_n, physics.contact_time, physics.contacts.dt, kLongestSafeStep * physics.contact_time,
+        physics.steps, scene.stages[k].duration);
     if (k == 0)
       for (const std::string& w : warnings(physics, setup.bodies)) fmt::print("  warning    {}\n", w);
   }

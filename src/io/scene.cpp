@@ -162,8 +162,7 @@ class Checks {
       if (wall.kind != WallKind::plane)
         throw error(fmt::format("wall[{}].kind", i), "expected 'plane' in a periodic box");
       if (along_box(wall.normal))
-        throw error(fmt::format("wall[{}].normal", i),
-                    "expected 0 along the periodic directions of the box");
+        throw error(fmt::format("wall[{}].normal", i), "expected 0 along the periodic directions of the box");
     }
   }
 

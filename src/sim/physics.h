@@ -24,11 +24,11 @@ struct Physics {
   std::uint64_t gravity_interval = 1;  ///< steps
   Vec3 field = Vec3::Zero();           ///< m/s^2
   std::optional<SpinSpec> spin;
-  Vec3 strain_rate = Vec3::Zero();   ///< 1/s, of the periodic box
-  std::optional<double> packing;     ///< the strain ends there
-  double body_volume = 0.0;          ///< m^3, of all bodies
-  double least_edge = 0.0;           ///< m, of a periodic box
-  std::uint64_t control_steps = 1;   ///< steps between spin corrections
+  Vec3 strain_rate = Vec3::Zero();  ///< 1/s, of the periodic box
+  std::optional<double> packing;    ///< the strain ends there
+  double body_volume = 0.0;         ///< m^3, of all bodies
+  double least_edge = 0.0;          ///< m, of a periodic box
+  std::uint64_t control_steps = 1;  ///< steps between spin corrections
   double series_interval = 0.0;     ///< s, between rows of the series, and between checks for failure
   double snapshot_interval = 0.0;   ///< s; 0: only at the end of the stage
 };

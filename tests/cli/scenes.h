@@ -122,20 +122,21 @@ shape = "rod4"
 [[wall]]
 kind = "mesh"
 file = "box.off"
+unit = 2
 oscillation_amplitude = [0.1, 0, 0.2]
 oscillation_frequency = 0.7
 angular_velocity = [0.3, 0.8, 0.1]
 
 [contact]
-stiffness = 1e8
+stiffness = 1e9
 
 [gravity]
 method = "none"
-field = [0, 0, -10]
+field = [0, 0, -5]
 
 [[stage]]
 name = "shake"
-duration = 60
+duration = 20
 
 [output]
 snapshot_interval = 7

@@ -303,7 +303,7 @@ TEST(SceneErrors, WhatAPeriodicBoxCannotHave) {
   EXPECT_EQ(error_of(good + "[stage.spin]\npath = [[0, 9]]" + box.substr(good.size() - 1)),
             "s.toml:7:1: key 'stage[0].spin': a periodic box cannot spin");
   EXPECT_EQ(error_of(box + "[[wall]]\nkind = 'plane'\nnormal = [1, 0, 0]"),
-            "s.toml:12:10: key 'wall[0].normal': expected 0 along the periodic directions of the box");
+            "s.toml:13:10: key 'wall[0].normal': expected 0 along the periodic directions of the box");
   EXPECT_EQ(error_of(box + "[[wall]]\nkind = 'plane'\nnormal = [0, 1, 0]"), "no error");
 }
 
