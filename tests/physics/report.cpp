@@ -55,10 +55,17 @@ class Book : public testing::Environment {
 // gtest takes environments before the tests start.
 [[maybe_unused]] const Book& kBook = Book::book();
 
+/// Text for a cell of a table: a bar would end the cell.
+std::string cell(const std::string& text) {
+  std::string out;
+  for (const char c : text) out += c == '|' ? "\\|" : std::string(1, c);
+  return out;
+}
+
 void row(const std::string& claim, const std::string& against, const std::string& expected,
          const std::string& measured, const std::string& difference, const std::string& tolerance) {
-  Book::book().section().rows += fmt::format("| {} | {} | {} | {} | {} | {} |\n", claim, against, expected,
-                                             measured, difference, tolerance);
+  Book::book().section().rows += fmt::format("| {} | {} | {} | {} | {} | {} |\n", cell(claim), cell(against),
+                                             expected, measured, difference, tolerance);
 }
 
 }  // namespace
