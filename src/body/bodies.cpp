@@ -1,5 +1,6 @@
 #include "body/bodies.h"
 
+#include "body/cells.h"
 #include "core/parallel.h"
 
 namespace cairn {
@@ -20,9 +21,8 @@ void add_body(Bodies& bodies, const RigidShape& shape, std::uint32_t shape_index
   bodies.shape.push_back(shape_index);
   bodies.length.push_back(size);
   bodies.material.push_back(material);
-  const double edge = bodies.cell_edge;
-  const Vec3 cell = edge > 0.0 ? Vec3((placement.origin / edge).array().round()) : Vec3::Zero();
-  const Vec3 position = (placement.origin - edge * cell) + placement.position;
+  const Vec3 cell = nearest_multiples(placement.origin, bodies.cell_edge);
+  const Vec3 position = (placement.origin - bodies.cell_edge * cell) + placement.position;
   bodies.position.push_back(position);
   if (bodies.cell.empty() && cell != Vec3::Zero()) bodies.cell.assign(index, Vec3::Zero());
   if (!bodies.cell.empty() || cell != Vec3::Zero()) bodies.cell.push_back(cell);

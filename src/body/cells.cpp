@@ -9,10 +9,6 @@ namespace {
 
 constexpr double kFrameSpeed = 64.0;  // m/s
 
-Vec3 whole(const Vec3& x, double unit) {
-  return (x / unit).array().round().matrix();
-}
-
 /// Empty again when all bodies are in cell 0.
 void drop_useless_cells(Bodies& bodies) {
   for (const Vec3& cell : bodies.cell)
@@ -46,7 +42,7 @@ void settle_cells(Bodies& bodies) {
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     Vec3& x = bodies.position[b];
     if (!(x.cwiseAbs().maxCoeff() > kCellReach * edge)) continue;
-    const Vec3 steps = whole(x, edge);
+    const Vec3 steps = nearest_multiples(x, edge);
     x -= edge * steps;
     if (bodies.cell.empty()) bodies.cell.assign(bodies.size(), Vec3::Zero());
     bodies.cell[b] += steps;
@@ -56,7 +52,7 @@ void settle_cells(Bodies& bodies) {
 void set_cell_edge(Bodies& bodies, double edge) {
   for (std::size_t b = 0; b < bodies.cell.size(); ++b) {
     const Vec3 corner = bodies.cell_edge * bodies.cell[b];
-    const Vec3 cell = edge > 0.0 ? whole(corner, edge) : Vec3::Zero();
+    const Vec3 cell = nearest_multiples(corner, edge);
     bodies.position[b] += corner - edge * cell;
     bodies.cell[b] = cell;
   }
@@ -68,7 +64,7 @@ void set_cell_edge(Bodies& bodies, double edge) {
 void displace(Bodies& bodies, const Vec3& by, const Vec3& velocity) {
   if (by == Vec3::Zero() && velocity == Vec3::Zero()) return;
   const double edge = bodies.cell_edge;
-  const Vec3 cells = edge > 0.0 ? whole(by, edge) : Vec3::Zero();
+  const Vec3 cells = nearest_multiples(by, edge);
   if (cells != Vec3::Zero() && bodies.cell.empty()) bodies.cell.assign(bodies.size(), Vec3::Zero());
   for (Vec3& cell : bodies.cell) cell += cells;
   for (Vec3& x : bodies.position) x += by - edge * cells;
@@ -84,11 +80,11 @@ Frame take_frame(Bodies& bodies) {
     const double step = kFrameStep * bodies.cell_edge;
     const Vec3 offset =
         bodies.position[0] + median(bodies.size(), [&](std::size_t b) { return separation(bodies, 0, b); });
-    frame.position = step * whole(offset, step);
+    frame.position = step * nearest_multiples(offset, step);
     if (!bodies.cell.empty()) frame.position += bodies.cell_edge * bodies.cell[0];
   }
   const Vec3 speed = median(bodies.size(), [&](std::size_t b) { return bodies.velocity[b]; });
-  frame.velocity = kFrameSpeed * whole(speed, kFrameSpeed);
+  frame.velocity = kFrameSpeed * nearest_multiples(speed, kFrameSpeed);
   displace(bodies, -frame.position, -frame.velocity);
   return frame;
 }

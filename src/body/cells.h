@@ -11,10 +11,16 @@ namespace cairn {
 /// that a pile has room in one cell and a step rounds offsets by less than 1e-12 of that radius.
 double cell_edge(double smallest_radius);
 
-/// Where body b is, from the zero of the scene's frame (m); rounded to the resolution of doubles there.
-inline Vec3 place(const Bodies& bodies, std::size_t b) {
-  if (bodies.cell.empty()) return bodies.position[b];
-  return bodies.position[b] + bodies.cell_edge * bodies.cell[b];
+/// The whole multiples of `unit` nearest to each component; none of unit 0.
+inline Vec3 nearest_multiples(const Vec3& x, double unit) {
+  if (unit == 0.0) return Vec3::Zero();
+  return (x / unit).array().round();
+}
+
+/// Where body b is, from `origin` in the scene's frame (m); what both have in common is not rounded.
+inline Vec3 place(const Bodies& bodies, std::size_t b, const Vec3& origin = Vec3::Zero()) {
+  if (bodies.cell.empty()) return bodies.position[b] - origin;
+  return bodies.position[b] + (bodies.cell_edge * bodies.cell[b] - origin);
 }
 
 /// Vector from body a to body b (m).

@@ -13,8 +13,7 @@ namespace {
 void find_shifts(const Bodies& bodies, const Box& box, ContactList& contacts) {
   const std::vector<Vec3>& x = bodies.spheres.position;
   const std::vector<std::uint32_t>& body = bodies.spheres.body;
-  contacts.lattice = box.periodic() ? box.edge : Vec3::Constant(bodies.cell_edge);
-  contacts.lattice_rate = box.rate;
+  set_lattice(bodies, box, contacts);
   contacts.set_shifts(box.periodic() || !bodies.cell.empty(), [&](const Pair& p) -> Vec3 {
     return box.periodic() ? box.nearest_image(x[p.j] - x[p.i])
                           : bodies.cell[body[p.j]] - bodies.cell[body[p.i]];
@@ -22,6 +21,11 @@ void find_shifts(const Bodies& bodies, const Box& box, ContactList& contacts) {
 }
 
 }  // namespace
+
+void set_lattice(const Bodies& bodies, const Box& box, ContactList& contacts) {
+  contacts.lattice = box.periodic() ? box.edge : Vec3::Constant(bodies.cell_edge);
+  contacts.lattice_rate = box.rate;
+}
 
 bool Candidates::expired(const Bodies& bodies, double time, const Box& box) const {
   const Spheres& spheres = bodies.spheres;

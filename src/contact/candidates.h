@@ -19,6 +19,9 @@ struct RigidMotion {
   double time = 0.0;             ///< s
 };
 
+/// Tells the list how far apart the cells, or the images in the box, are now.
+void set_lattice(const Bodies& bodies, const Box& box, ContactList& contacts);
+
 /// Keeps a contact list complete: every pair closer than the sum of its radii is among its slots.
 class Candidates {
  public:

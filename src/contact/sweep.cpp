@@ -6,6 +6,7 @@
 #include "contact/law/partial.h"
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/vector.h"
 
 namespace cairn {
 
@@ -299,14 +300,13 @@ class Block {
   /// Ends the contact of two spheres whose centres are now `d` apart.
   template <Features F>
   void part(std::uint32_t slot, const Vec3& d, double radii) {
-    using Map = Eigen::Map<const Vec3>;
     const Pair& pair = contacts_.pair(slot);
     const SphereMotion &a = motions_[pair.i], &b = motions_[pair.j];
     const LawConstants<double> law(law_of(bodies_, settings_, pair));
     const double distance = d.norm(), radius = a.radius * b.radius / radii;
     const Vec3 n = d / distance;
     const Vec3 flow = contacts_.lattice_rate.cwiseProduct(contacts_.shift_of(slot));
-    const double u_n = (Map(b.velocity_mid) - Map(a.velocity_mid) + flow).dot(n);
+    const double u_n = (vector(b.velocity_mid) - vector(a.velocity_mid) + flow).dot(n);
     const Parting end = parting<F>(law, contacts_.c_n[slot], radius, distance - radii, u_n, settings_.dt);
     PartialKick kick{pair, {}};
     Eigen::Map<Vec3>(kick.impulse.force) = end.normal * n;
@@ -391,7 +391,6 @@ Pair deepest_pair(const Bodies& bodies, const ContactList& contacts) {
 }
 
 void gather_wrenches(const ContactList& contacts, Bodies& bodies) {
-  using Map = Eigen::Map<const Vec3>;
   const Spheres& spheres = bodies.spheres;
   parallel_for(bodies.size(), [&](std::size_t b) {
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
@@ -399,13 +398,13 @@ void gather_wrenches(const ContactList& contacts, Bodies& bodies) {
       Vec3 f = Vec3::Zero(), t = Vec3::Zero();
       for (std::uint32_t k = contacts.second_begin[s]; k < contacts.second_begin[s + 1]; ++k) {
         const ContactWrench& w = contacts.wrench[contacts.second[k]];
-        f -= Map(w.force);
-        t += Map(w.torque_j);
+        f -= vector(w.force);
+        t += vector(w.torque_j);
       }
       for (std::uint32_t slot = contacts.begin(s); slot < contacts.begin(s + 1); ++slot) {
         const ContactWrench& w = contacts.wrench[slot];
-        f += Map(w.force);
-        t += Map(w.torque_i);
+        f += vector(w.force);
+        t += vector(w.torque_i);
       }
       force += f;
       torque += t + (spheres.position[s] - bodies.position[b]).cross(f);
@@ -416,7 +415,6 @@ void gather_wrenches(const ContactList& contacts, Bodies& bodies) {
 }
 
 void apply_partial_kicks(const ContactList& contacts, Bodies& bodies) {
-  using Map = Eigen::Map<const Vec3>;
   const Spheres& spheres = bodies.spheres;
   const auto give = [&](std::uint32_t s, const Vec3& impulse, const Vec3& moment) {
     const std::uint32_t b = spheres.body[s];
@@ -425,9 +423,9 @@ void apply_partial_kicks(const ContactList& contacts, Bodies& bodies) {
   };
   for (const std::vector<PartialKick>& block : contacts.kicks)
     for (const PartialKick& kick : block) {
-      const Vec3 impulse = Map(kick.impulse.force);
-      give(kick.pair.i, impulse, Map(kick.impulse.torque_i));
-      give(kick.pair.j, -impulse, Map(kick.impulse.torque_j));
+      const Vec3 impulse = vector(kick.impulse.force);
+      give(kick.pair.i, impulse, vector(kick.impulse.torque_i));
+      give(kick.pair.j, -impulse, vector(kick.impulse.torque_j));
     }
 }
 

@@ -6,22 +6,14 @@
 #include "contact/law/partial.h"
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/vector.h"
 
 namespace cairn {
 
 namespace {
 
-using Map = Eigen::Map<const Vec3>;
-
 constexpr double kSameSurface =
     0.99;  // cosine between two steps' normals of one contact that changes feature
-
-Triple<double> triple(const Vec3& v) {
-  return {v.x(), v.y(), v.z()};
-}
-Vec3 vector(const Triple<double>& t) {
-  return {t.x, t.y, t.z};
-}
 
 /// A touch in space.
 struct Meeting {
@@ -89,7 +81,7 @@ class Walls::Sweeper {
   const SphereMotion& motion(std::uint32_t s) const { return motions_[s]; }
   Vec3 position(std::uint32_t s) const { return bodies_.spheres.position[s]; }
   Vec3 middle_position(std::uint32_t s) const {
-    return position(s) - 0.5 * settings_.dt * Map(motion(s).velocity_mid);
+    return position(s) - 0.5 * settings_.dt * vector(motion(s).velocity_mid);
   }
 
   /// What sphere s touches, in the order of wall and feature.
@@ -189,7 +181,7 @@ class Walls::Sweeper {
     const double gap = touch.arm - radius;
     if (gap >= 0.0) {
       const Vec3 n = end.to_space(touch.n), n_mid = middle.to_space(touch_mid.n);
-      const Vec3 along = middle.velocity_at(x_mid + touch_mid.arm * n_mid) - Map(motion(s).velocity_mid);
+      const Vec3 along = middle.velocity_at(x_mid + touch_mid.arm * n_mid) - vector(motion(s).velocity_mid);
       const Parting parting =
           cairn::parting<F>(law, contact.memory.c_n, radius, gap, along.dot(n_mid), settings_.dt);
       kick(s, contact.wall, x + touch.arm * n, parting.normal * n, Vec3::Zero(), report);
@@ -224,12 +216,12 @@ class Walls::Sweeper {
     geometry.radius = sphere.radius;
     geometry.slip_lever = 0.5 / touch.arm;
     ContactMotion<double> motion;
-    motion.u = triple(velocity - Map(sphere.velocity) - Map(sphere.spin).cross(lever));
-    motion.u_mid =
-        triple(middle.velocity_at(c_mid) - Map(sphere.velocity_mid) - Map(sphere.spin_mid).cross(lever_mid));
-    motion.w = triple(end.spin - Map(sphere.spin));
-    motion.w_mid = triple(middle.spin - Map(sphere.spin_mid));
-    motion.turn = triple(0.5 * (Map(sphere.spin_mid) + middle.spin));
+    motion.u = triple(velocity - vector(sphere.velocity) - vector(sphere.spin).cross(lever));
+    motion.u_mid = triple(middle.velocity_at(c_mid) - vector(sphere.velocity_mid) -
+                          vector(sphere.spin_mid).cross(lever_mid));
+    motion.w = triple(end.spin - vector(sphere.spin));
+    motion.w_mid = triple(middle.spin - vector(sphere.spin_mid));
+    motion.turn = triple(0.5 * (vector(sphere.spin_mid) + middle.spin));
     motion.dt = settings_.dt;
     FirstTouch<double> due{0.0, 0.0};
     if (!meeting.remembers) {

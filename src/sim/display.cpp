@@ -5,16 +5,6 @@
 
 namespace cairn {
 
-namespace {
-
-/// Vector from `origin` to body b (m), without rounding what both have in common.
-Vec3 from_origin(const Bodies& bodies, std::size_t b, const Vec3& origin) {
-  if (bodies.cell.empty()) return bodies.position[b] - origin;
-  return bodies.position[b] + (bodies.cell_edge * bodies.cell[b] - origin);
-}
-
-}  // namespace
-
 Display make_display(const State& state) {
   const Bodies& bodies = state.bodies;
   Display out;
@@ -23,12 +13,12 @@ Display make_display(const State& state) {
     for (std::uint32_t b = 0; b < bodies.size(); ++b)
       if (state.remnant[b]) members.push_back(b);
     const double step = kFrameStep * bodies.cell_edge;
-    out.origin = step * (spin_state(bodies, members).center / step).array().round();
+    out.origin = step * nearest_multiples(spin_state(bodies, members).center, step);
   }
   out.bodies.resize(bodies.size());
   out.spheres.resize(bodies.spheres.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    out.bodies[b] = from_origin(bodies, b, out.origin);
+    out.bodies[b] = place(bodies, b, out.origin);
     Vec3 x = out.bodies[b];
     for (int axis = 0; axis < 3; ++axis)
       if (const double edge = state.box.edge[axis]; edge > 0.0) x[axis] -= std::floor(x[axis] / edge) * edge;

@@ -3,23 +3,21 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/vector.h"
 
 namespace cairn {
 
 void MemoryColumns::push_back(const ContactMemory<double>& m) {
   c_n.push_back(m.c_n);
   c_s.push_back(m.c_s);
-  slide.emplace_back(m.slide.x, m.slide.y, m.slide.z);
-  roll.emplace_back(m.roll.x, m.roll.y, m.roll.z);
+  slide.push_back(vector(m.slide));
+  roll.push_back(vector(m.roll));
   twist.push_back(m.twist);
 }
 
 ContactMemory<double> MemoryColumns::operator[](std::size_t k) const {
-  return {.c_n = c_n[k],
-          .c_s = c_s[k],
-          .slide = {slide[k].x(), slide[k].y(), slide[k].z()},
-          .roll = {roll[k].x(), roll[k].y(), roll[k].z()},
-          .twist = twist[k]};
+  return {
+      .c_n = c_n[k], .c_s = c_s[k], .slide = triple(slide[k]), .roll = triple(roll[k]), .twist = twist[k]};
 }
 
 FieldTable MemoryColumns::table(const std::string& prefix) {

@@ -77,8 +77,7 @@ Strain begin_strain(const Physics& physics, const Box& box) {
 void refresh_neighbours(const Physics& physics, State& state, Scratch& scratch) {
   ++scratch.list_age;
   if (!scratch.candidates.expired(state.bodies, state.clock.time(), state.box)) {
-    state.contacts.lattice = state.box.periodic() ? state.box.edge : state.contacts.lattice;
-    state.contacts.lattice_rate = state.box.rate;
+    set_lattice(state.bodies, state.box, state.contacts);
     return;
   }
   scratch.candidates.adapt_skin(scratch.list_age);
@@ -103,8 +102,7 @@ void check_overlap(const Physics& physics, const State& state, double pairs, con
                      who, overlap, physics.overlap_limit);
   throw UnstableError(
       "t = {:.6g} s: {} overlap by {:.3g} of the smaller radius (contact.overlap_limit = {:g}): raise the "
-      "stiffness "
-      "(contact.stiffness, or stage.impact_speed for the automatic one) or shorten the time step",
+      "stiffness (contact.stiffness, or stage.impact_speed for the automatic one) or shorten the time step",
       state.clock.time(), who, overlap, physics.overlap_limit);
 }
 

@@ -152,29 +152,8 @@ TEST(Ledger, AccountsForTheEnergyOfABlowToSecondOrder) {
 
 /// A pile of smooth equal spheres, settled under its own gravity.
 Experiment settled_pile(int count) {
-  Experiment e(fmt::format(R"(
-seed = 3
-[[cloud]]
-count = {}
-filling = 0.2
-size = 10
-density = 3000
-shape = [{{ shape = "sphere" }}]
-[[material]]
-name = "smooth"
-restitution_normal = 0.05
-friction = 0
-friction_rolling = 0
-friction_twisting = 0
-[contact]
-steps_per_contact = 20
-[gravity]
-method = "direct"
-[[stage]]
-name = "collapse"
-duration = 10000
-)",
-                           count));
+  Experiment e("seed = 3\n" + scene_text({.restitution = 0.05}, "steps_per_contact = 20", "method = 'direct'",
+                                         cloud("sphere", count, 10.0, 3000.0), 1e4));
   e.begin();
   const double dt = e.physics.contacts.dt;
   for (std::uint64_t k = 0; k < e.physics.steps; ++k) {

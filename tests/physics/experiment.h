@@ -4,39 +4,18 @@
 #include <string>
 
 #include "pile/assemble.h"
-#include "sim/make_walls.h"
-#include "sim/step.h"
+#include "stage.h"
 
 namespace cairn {
 
-/// The first stage of a scene given as text.
-struct Experiment {
-  Scene scene;
-  State state;
-  Physics physics;
-  Scratch scratch;
-
-  explicit Experiment(const std::string& text) : scene(parse_scene(text, "experiment.toml", ".")) {
+/// The first stage of a scene with the bodies it asks for.
+struct Experiment : Stage {
+  explicit Experiment(const std::string& text) : Stage(text) {
     Setup setup = assemble(scene);
     state.bodies = std::move(setup.bodies);
     state.frame = setup.frame;
     state.box = setup.box;
-    state.remnant.assign(state.bodies.size(), 1);
-    state.walls.walls = make_walls(scene);
     place_spheres(state.bodies);
-  }
-
-  /// Resolves the stage for the bodies as they are now and evaluates the first wrenches.
-  void begin() {
-    physics =
-        resolve_physics(scene, 0, state.bodies, resolve_stiffness(scene, 0, state.bodies, state.walls.walls));
-    begin_stage(physics, {}, state, scratch);
-    state.clock.steps = physics.steps;
-    state.clock.dt = physics.contacts.dt;
-  }
-
-  void advance(std::uint64_t steps) {
-    for (std::uint64_t k = 0; k < steps; ++k) step(physics, state, scratch);
   }
 
   bool touching() const {

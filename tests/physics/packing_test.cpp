@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "core/random.h"
-#include "physics/experiment.h"
 #include "physics/report.h"
+#include "physics/scenes.h"
 
 namespace cairn {
 namespace {
@@ -16,33 +16,11 @@ constexpr double kStiffness = 1e4;  // N/m, of grains of unit radius and density
 
 /// A ball of grains in a cubic box.
 Experiment cloud_in_box(const std::string& shape, int count, double edge, int seed) {
-  return Experiment(fmt::format(R"(
-seed = {}
-[box]
-size = [{}, {}, {}]
-[[cloud]]
-count = {}
-filling = 0.2
-size = 1
-density = 1
-shape = [{{ shape = "{}" }}]
-[[material]]
-name = "smooth"
-restitution_normal = 0.1
-friction = 0
-friction_rolling = 0
-friction_twisting = 0
-[contact]
-stiffness = {}
-steps_per_contact = 20
-overlap_limit = 0.5
-[gravity]
-method = "none"
-[[stage]]
-name = "strain"
-duration = 1e6
-)",
-                                seed, edge, edge, edge, count, shape, kStiffness));
+  return Experiment(
+      fmt::format("seed = {}\n[box]\nsize = [{}, {}, {}]\n", seed, edge, edge, edge) +
+      scene_text({.restitution = 0.1},
+                 fmt::format("stiffness = {}\nsteps_per_contact = 20\noverlap_limit = 0.5", kStiffness), "",
+                 cloud(shape, count, 1.0, 1.0)));
 }
 
 class Packing {

@@ -41,6 +41,14 @@ inline std::string wall(const Vec3& normal = Vec3::UnitZ(), const Vec3& point = 
                      toml(normal));
 }
 
+/// A ball of bodies of one shape and size at random, 20 % of it filled.
+inline std::string cloud(const std::string& shape, int count, double size, double density) {
+  return fmt::format(
+      "[[cloud]]\nshape = [{{ shape = '{}' }}]\ncount = {}\nsize = {}\ndensity = {}\nfilling = 0.2\n"
+      "material = 'surface'\n",
+      shape, count, size, density);
+}
+
 /// A scene of one stage. `contact` and `gravity` are the keys of those tables.
 inline std::string scene_text(const Surface& s, const std::string& contact, const std::string& gravity,
                               const std::string& content, double duration = 1e6) {

@@ -8,6 +8,7 @@
 #include "contact/law/pair.h"
 #include "core/error.h"
 #include "folder.h"
+#include "grid_mesh.h"
 #include "physics/experiment.h"
 #include "physics/report.h"
 
@@ -132,21 +133,11 @@ TEST(Walls, ASphereBeyondTheWallIsRefused) {
 }
 
 /// A floor of triangles of many sizes, its plane through the origin along two unit vectors.
-TriangleMesh floor_of_triangles(int cells, const Vec3& along, const Vec3& across) {
-  TriangleMesh mesh;
-  const auto n = static_cast<std::uint32_t>(cells);
-  for (std::uint32_t i = 0; i <= n; ++i)
-    for (std::uint32_t j = 0; j <= n; ++j) {
-      const double x = 24.0 * i / n - 12.0, y = 24.0 * j / n - 12.0;
-      mesh.vertices.push_back((x + 0.2 * std::sin(3 * y)) * along + (y + 0.2 * std::cos(5 * x)) * across);
-    }
-  const auto at = [n](std::uint32_t i, std::uint32_t j) { return i * (n + 1) + j; };
-  for (std::uint32_t i = 0; i < n; ++i)
-    for (std::uint32_t j = 0; j < n; ++j) {
-      mesh.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
-  return mesh;
+TriangleMesh floor_of_triangles(std::uint32_t cells, const Vec3& along, const Vec3& across) {
+  return grid_mesh(cells, [&](double u, double v) -> Vec3 {
+    const double x = 24.0 * u - 12.0, y = 24.0 * v - 12.0;
+    return (x + 0.2 * std::sin(3 * y)) * along + (y + 0.2 * std::cos(5 * x)) * across;
+  });
 }
 
 TEST(Walls, FromTriangleToTriangleIsLikeAPlane) {

@@ -6,18 +6,12 @@
 
 #include "contact/law/pair.h"
 #include "core/random.h"
+#include "core/vector.h"
 
 namespace cairn {
 namespace {
 
 constexpr double kStiffness = 1e6;
-
-Triple<double> triple(const Vec3& v) {
-  return {v.x(), v.y(), v.z()};
-}
-Vec3 vector(const Triple<double>& t) {
-  return {t.x, t.y, t.z};
-}
 
 PairLaw rough_law(double cohesion = 0.0) {
   const Material m{.name = "m",

@@ -3,28 +3,18 @@
 
 #include "contact/wall/wall.h"
 #include "core/random.h"
+#include "grid_mesh.h"
 
 namespace cairn {
 namespace {
 
 /// Two triangles a cell; z = height(x, y).
 template <class Height>
-TriangleMesh sheet(int cells, double width, Height&& height) {
-  TriangleMesh mesh;
-  const auto n = static_cast<std::uint32_t>(cells);
-  for (std::uint32_t i = 0; i <= n; ++i)
-    for (std::uint32_t j = 0; j <= n; ++j) {
-      const double x = width * (static_cast<double>(i) / n - 0.5),
-                   y = width * (static_cast<double>(j) / n - 0.5);
-      mesh.vertices.emplace_back(x, y, height(x, y));
-    }
-  const auto at = [n](std::uint32_t i, std::uint32_t j) { return i * (n + 1) + j; };
-  for (std::uint32_t i = 0; i < n; ++i)
-    for (std::uint32_t j = 0; j < n; ++j) {
-      mesh.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
-  return mesh;
+TriangleMesh sheet(std::uint32_t cells, double width, Height&& height) {
+  return grid_mesh(cells, [&](double u, double v) {
+    const double x = width * (u - 0.5), y = width * (v - 0.5);
+    return Vec3(x, y, height(x, y));
+  });
 }
 
 /// What a sphere touches when nothing is left to candidates.

@@ -6,22 +6,13 @@
 #include <cmath>
 
 #include "core/random.h"
+#include "core/vector.h"
 #include "shape/library.h"
 
 namespace cairn {
 namespace {
 
 constexpr double kStiffness = 1e6;
-
-Triple<double> triple(const Vec3& v) {
-  return {v.x(), v.y(), v.z()};
-}
-Vec3 vector(const Triple<double>& t) {
-  return {t.x, t.y, t.z};
-}
-Vec3 vector(const double (&v)[3]) {
-  return {v[0], v[1], v[2]};
-}
 
 const std::vector<Material> kBodyMaterials{{.name = "rough", .cohesion = 2e3},
                                            {.name = "smooth", .friction = 0.3, .friction_rolling = 0.2}};

@@ -5,20 +5,15 @@
 #include <cmath>
 
 #include "shape/library.h"
-#include "sim/make_walls.h"
+#include "stage.h"
 
 namespace cairn {
 namespace {
 
 /// Two dumbbells side by side that press on each other with both spheres, and a ball far away, moving.
-struct Sight {
-  Scene scene;
-  State state;
-  Physics physics;
-  Scratch scratch;
-
-  explicit Sight(const std::string& tables) {
-    scene = parse_scene(fmt::format(R"(
+struct Sight : Stage {
+  explicit Sight(const std::string& tables)
+      : Stage(R"(
 [[body]]
 shape = "sphere"
 density = 2000
@@ -29,21 +24,14 @@ stiffness = 1e6
 [[stage]]
 name = "look"
 duration = 10
-{}
-)",
-                                    tables),
-                        "observe.toml", ".");
+)" + tables) {
     const RigidShape pair = make_rigid(load_shape("dumbbell", "."), MassModel::union_volume),
                      ball = make_rigid(load_shape("sphere", "."), MassModel::union_volume);
     for (const double y : {0.0, 1.99})
       add_body(state.bodies, pair, 0, 1.0, 2000.0, 0, {.position = {0.0, y, 0.0}});
     add_body(state.bodies, ball, 1, 1.0, 2000.0, 0,
              {.position = {30.0, 0.0, 0.0}, .velocity = {0.0, 2.0, 0.0}});
-    state.remnant.assign(3, 1);
-    state.walls.walls = make_walls(scene);
-    physics = resolve_physics(scene, 0, state.bodies, 1e6);
-    begin_stage(physics, {}, state, scratch);
-    state.clock.dt = physics.contacts.dt;
+    begin();
     state.clock.stage_start = 5.0;
   }
   Observation look() { return observe(physics, state, scratch, 0.1); }

@@ -7,40 +7,24 @@
 
 #include "body/cells.h"
 #include "core/random.h"
+#include "grid_mesh.h"
 #include "shape/library.h"
-#include "sim/make_walls.h"
-#include "sim/step.h"
+#include "stage.h"
 
 namespace cairn {
 namespace {
 
-struct Case {
-  Physics physics;
-  State state;
-  Scratch scratch;
-};
-
 /// A bowl of triangles that covers the plane and turns.
 std::shared_ptr<const MeshSurface> bowl() {
-  TriangleMesh mesh;
-  constexpr std::uint32_t n = 12;
-  for (std::uint32_t i = 0; i <= n; ++i)
-    for (std::uint32_t j = 0; j <= n; ++j) {
-      const double x = 5.0 * i - 30.0, y = 5.0 * j - 30.0;
-      mesh.vertices.emplace_back(x, y, 0.01 * (x * x + y * y) - 14.0);
-    }
-  for (std::uint32_t i = 0; i < n; ++i)
-    for (std::uint32_t j = 0; j < n; ++j) {
-      const std::uint32_t a = i * (n + 1) + j, b = a + n + 1;
-      mesh.triangles.push_back({a, b, b + 1});
-      mesh.triangles.push_back({a, b + 1, a + 1});
-    }
-  return std::make_shared<const MeshSurface>(std::move(mesh));
+  return std::make_shared<const MeshSurface>(grid_mesh(12, [](double u, double v) {
+    const double x = 60.0 * u - 30.0, y = 60.0 * v - 30.0;
+    return Vec3(x, y, 0.01 * (x * x + y * y) - 14.0);
+  }));
 }
 
 /// A hundred mixed aggregates thrown together above a plane in a turning bowl, all contact models on.
-Case thrown_together(const std::string& gravity) {
-  const Scene scene = parse_scene(fmt::format(R"(
+Stage thrown_together(const std::string& gravity) {
+  Stage c(fmt::format(R"(
 [[body]]
 shape = "sphere"
 density = 1
@@ -69,9 +53,7 @@ angular_velocity = [0, 0.02, 0.1]
 name = "fall"
 duration = 1e4
 )",
-                                              gravity),
-                                  "scratch.toml", ".");
-  Case c;
+                      gravity));
   const std::vector<std::string> names{"sphere", "rod4", "cube", "tetrahedron"};
   Random random(3, 0);
   std::uint32_t b = 0;
@@ -85,18 +67,14 @@ duration = 1e4
                   .velocity = 1.5 * random.in_ball() - 0.3 * Vec3(x, y, z),
                   .angular_velocity = 0.5 * random.in_ball()});
       }
-  c.state.remnant.assign(c.state.bodies.size(), 1);
-  c.state.walls.walls = make_walls(scene);
   c.state.walls.walls[1].surface = bowl();
-  c.physics = resolve_physics(scene, 0, c.state.bodies, *scene.contact.stiffness);
-  begin_stage(c.physics, {}, c.state, c.scratch);
-  c.state.clock.dt = c.physics.contacts.dt;
+  c.begin();
   return c;
 }
 
 /// A hundred dumbbells in a box that is squeezed, open along z between two planes.
-Case squeezed() {
-  const Scene scene = parse_scene(R"(
+Stage squeezed() {
+  Stage c(R"(
 [box]
 size = [24, 26, 0]
 [[body]]
@@ -119,9 +97,7 @@ method = "none"
 name = "squeeze"
 duration = 1e4
 strain_rate = [-0.07, 0.03, 0]
-)",
-                                  "squeezed.toml", ".");
-  Case c;
+)");
   const RigidShape shape = make_rigid(load_shape("dumbbell", "."), MassModel::union_volume);
   Random random(3, 0);
   for (int x = 0; x < 5; ++x)
@@ -132,18 +108,13 @@ strain_rate = [-0.07, 0.03, 0]
                   .orientation = random.rotation(),
                   .velocity = 3.0 * random.in_ball(),
                   .angular_velocity = 0.5 * random.in_ball()});
-  c.state.remnant.assign(c.state.bodies.size(), 1);
-  c.state.box.edge = scene.box->size;
-  c.state.walls.walls = make_walls(scene);
-  c.physics = resolve_physics(scene, 0, c.state.bodies, *scene.contact.stiffness);
-  begin_stage(c.physics, {}, c.state, c.scratch);
-  c.state.clock.dt = c.physics.contacts.dt;
+  c.begin();
   return c;
 }
 
 /// The same bodies thrown together as they fly over the border of a cell.
-Case over_the_border() {
-  Case c = thrown_together("method = 'tree'\ninterval = 7");
+Stage over_the_border() {
+  Stage c = thrown_together("method = 'tree'\ninterval = 7");
   Bodies& bodies = c.state.bodies;
   bodies.cell_edge = cell_edge(0.8);
   displace(
@@ -151,7 +122,7 @@ Case over_the_border() {
       1e5 * bodies.cell_edge * Vec3::UnitX() + 0.75 * bodies.cell_edge * Vec3::UnitZ() - Vec3(0.0, 0.0, 3.0),
       Vec3(0.0, 0.0, 30.0));
   c.state.walls.walls.clear();
-  begin_stage(c.physics, {}, c.state, c.scratch);
+  c.begin();
   return c;
 }
 
@@ -191,21 +162,21 @@ void expect_same_bits(const State& a, const State& b) {
 
 constexpr int kSteps = 1000;
 
-void expect_scratch_can_go(const std::function<Case()>& make, bool walls = true) {
+void expect_scratch_can_go(const std::function<Stage()>& make, bool walls = true) {
   const int threads = omp_get_max_threads();
   omp_set_num_threads(1);  // one thread: a scene this small gains nothing from more
-  Case kept = make(), thrown = make();
+  Stage kept = make(), thrown = make();
   Random random(4, 0);
   int times = 0;
   for (int k = 0; k < kSteps; ++k) {
-    step(kept.physics, kept.state, kept.scratch);
+    kept.advance(1);
     if (random.uniform() < 0.05) {
       Scratch fresh;
       std::swap(thrown.scratch, fresh);
       prepare_scratch(thrown.physics, thrown.state, thrown.scratch);
       ++times;
     }
-    step(thrown.physics, thrown.state, thrown.scratch);
+    thrown.advance(1);
   }
   omp_set_num_threads(threads);
   EXPECT_GT(times, 10);
@@ -231,11 +202,11 @@ TEST(Threads, NumberOfThreadsDoesNotChangeOneBit) {
   const int threads = omp_get_max_threads();
   const auto run = [](int n) {
     omp_set_num_threads(n);
-    Case c = thrown_together("method = 'tree'");
-    for (int k = 0; k < kSteps; ++k) step(c.physics, c.state, c.scratch);
+    Stage c = thrown_together("method = 'tree'");
+    c.advance(kSteps);
     return c;
   };
-  const Case one = run(1), two = run(2);
+  const Stage one = run(1), two = run(2);
   omp_set_num_threads(threads);
   EXPECT_GT(one.state.contacts.records().size(), 10u);
   expect_same_bits(one.state, two.state);

@@ -5,43 +5,25 @@
 
 #include "core/error.h"
 #include "shape/library.h"
-#include "sim/make_walls.h"
-#include "sim/step.h"
+#include "stage.h"
 
 namespace cairn {
 namespace {
 
 /// Two balls of 1 m and 2000 kg/m^3 that press on each other and on a floor.
-struct TwoOnFloor {
-  Scene scene;
-  State state;
-  Physics physics;
-  Scratch scratch;
-
-  explicit TwoOnFloor(const std::string& tables) {
-    scene = parse_scene(fmt::format(R"(
+struct TwoOnFloor : Stage {
+  explicit TwoOnFloor(const std::string& tables)
+      : Stage(R"(
 [[body]]
 shape = "sphere"
 density = 2000
 [[wall]]
 kind = "plane"
 point = [0, 0, -0.99]
-{}
-)",
-                                    tables),
-                        "stage.toml", ".");
+)" + tables) {
     const RigidShape ball = make_rigid(load_shape("sphere", "."), MassModel::union_volume);
     for (const double x : {0.0, 1.99})
       add_body(state.bodies, ball, 0, 1.0, 2000.0, 0, {.position = {x, 0.0, 0.0}});
-    state.remnant.assign(2, 1);
-    state.walls.walls = make_walls(scene);
-  }
-  void begin(const std::vector<ContactRecord>& inherited) {
-    physics =
-        resolve_physics(scene, 0, state.bodies, resolve_stiffness(scene, 0, state.bodies, state.walls.walls));
-    begin_stage(physics, inherited, state, scratch);
-    state.clock.steps = physics.steps;
-    state.clock.dt = physics.contacts.dt;
   }
 };
 
@@ -100,13 +82,13 @@ stiffness = 1e5
 name = "hold"
 duration = 10
 )");
-  two.begin({});
+  two.begin();
   const double pull = kGravitationalConstant * std::pow(two.state.bodies.mass[0] / 1.99, 2);
   EXPECT_NEAR(two.state.gravity.force[0].x(), pull, 1e-12 * pull);
   EXPECT_NEAR(two.state.gravity.force[1].x(), -pull, 1e-12 * pull);
   EXPECT_NEAR(gravitational_energy(two.physics, two.state.bodies, two.scratch), -1.99 * pull, 1e-12 * pull);
   for (std::uint64_t k = 1; k < 10; ++k) {
-    step(two.physics, two.state, two.scratch);
+    two.advance(1);
     EXPECT_DOUBLE_EQ(two.state.gravity.time, static_cast<double>(k / 3 * 3) * two.physics.contacts.dt) << k;
   }
 }
@@ -132,9 +114,9 @@ include_shed = {}
     two.state.bodies.position[1].x() = 50.0;
     two.state.remnant = {1, 0};
     two.state.clock.stage_start = 40.0;  // the path counts from there
-    two.begin({});
+    two.begin();
     two.state.control.active = true;
-    for (int k = 0; k < 5; ++k) step(two.physics, two.state, two.scratch);
+    two.advance(5);
     // The last correction was at the fourth step.
     const double rate = 2.0 * kPi / (100.0 - 50.0 * 4e-3);
     // Free bodies fly straight on between corrections, so that a far pair keeps a little of the old rate.
@@ -162,8 +144,8 @@ TEST(Step, TheListOfATurningPileIsKept) {
   two.state = State{};
   add_body(two.state.bodies, rod, 0, 1.0, 2000.0, 0,
            {.velocity = {1.0, 2.0, 3.0}, .angular_velocity = {0.0, 0.0, 1.0}});
-  two.begin({});
-  for (int k = 0; k < 500; ++k) step(two.physics, two.state, two.scratch);
+  two.begin();
+  two.advance(500);
   EXPECT_GT(two.state.clock.time(), 1.0);
   EXPECT_EQ(two.scratch.list_age, 500u);
 }

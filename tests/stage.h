@@ -1,0 +1,38 @@
+// The first stage of a scene given as text, driven step by step.
+#pragma once
+
+#include <string>
+
+#include "sim/make_walls.h"
+#include "sim/step.h"
+
+namespace cairn {
+
+/// Bodies are put into `state` by hand, or by Experiment as the scene says.
+struct Stage {
+  Scene scene;
+  State state;
+  Physics physics;
+  Scratch scratch;
+
+  explicit Stage(const std::string& text) : scene(parse_scene(text, "stage.toml", ".")) {
+    state.walls.walls = make_walls(scene);
+    if (scene.box) state.box.edge = scene.box->size;
+  }
+
+  /// Resolves the stage for the bodies as they are now and evaluates the first wrenches.
+  void begin(const std::vector<ContactRecord>& inherited = {}) {
+    state.remnant.resize(state.bodies.size(), 1);
+    physics =
+        resolve_physics(scene, 0, state.bodies, resolve_stiffness(scene, 0, state.bodies, state.walls.walls));
+    begin_stage(physics, inherited, state, scratch);
+    state.clock.steps = physics.steps;
+    state.clock.dt = physics.contacts.dt;
+  }
+
+  void advance(std::uint64_t steps) {
+    for (std::uint64_t k = 0; k < steps; ++k) step(physics, state, scratch);
+  }
+};
+
+}  // namespace cairn
