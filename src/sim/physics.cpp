@@ -67,6 +67,24 @@ std::vector<Material> wall_materials(const Scene& scene) {
   return out;
 }
 
+/// Cohesion alone must not press two spheres, or a sphere and a wall, together beyond the limit. The largest
+/// spheres are pressed most: c (2 beta R)^2 / k over the radius, R half a radius, or the radius on a wall.
+void check_cohesion(const Physics& p, const std::string& stage, const Bodies& bodies, bool walls) {
+  const auto& radii = bodies.spheres.radius;
+  double strongest = 0.0;
+  for (const PairLaw& law : p.contacts.laws) strongest = std::max(strongest, 0.25 * law.cohesion);
+  if (walls)
+    for (const Material& a : p.materials)
+      for (const Material& b : p.wall_materials)
+        strongest = std::max(strongest, make_pair_law(a, b, p.k_n).cohesion);
+  const double pull = strongest * *std::max_element(radii.begin(), radii.end());  // N/m
+  if (pull <= p.overlap_limit * p.k_n) return;
+  throw InputError(
+      "stage '{}': cohesion presses spheres together by {:.3g} of their radius, overlap_limit is {:g}; a "
+      "contact.stiffness of at least {:.3g} N/m is needed",
+      stage, pull / p.k_n, p.overlap_limit, pull / p.overlap_limit);
+}
+
 }  // namespace
 
 double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies,
@@ -112,6 +130,8 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   touching.insert(touching.end(), p.wall_materials.begin(), p.wall_materials.end());
   p.contacts.features = required_features(touching, contact.rolling_slip == RollingSlip::zhang2017);
   p.contacts.sphere_damping = contact.damping_mass == DampingMass::spheres;
+
+  check_cohesion(p, stage.name, bodies, !scene.walls.empty());
 
   double shape_factor = 0.0;
   for (const Material& m : touching) shape_factor = std::max(shape_factor, m.shape_factor);

@@ -39,7 +39,7 @@ double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bo
                          const std::vector<Wall>& walls);
 
 /// Resolves stage `index` of the scene for these bodies at stiffness k_n; does not depend on their motion.
-/// @throws InputError when the time step is longer than the longest safe one.
+/// @throws InputError when the time step is longer than the longest safe one, or cohesion too strong for k_n.
 Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bodies, double k_n);
 
 /// What looks wrong about the bodies' motion at the start of a stage: blows deeper than the overlap limit,
