@@ -22,9 +22,13 @@ inline void use_threads_for(std::size_t spheres) {
 /// The first exception thrown by a block is rethrown.
 template <class Body>
 void parallel_blocks(std::size_t count, std::size_t block, Body&& body) {
+  if (count <= block || omp_get_max_threads() == 1) {  // a parallel region costs a microsecond even for one
+    for (std::size_t begin = 0; begin < count; begin += block) body(begin, std::min(begin + block, count));
+    return;
+  }
   const auto blocks = static_cast<std::ptrdiff_t>((count + block - 1) / block);
   std::exception_ptr error;
-#pragma omp parallel for schedule(dynamic, 1) if (blocks > 1)
+#pragma omp parallel for schedule(dynamic, 1)
   for (std::ptrdiff_t b = 0; b < blocks; ++b) {
     const std::size_t begin = static_cast<std::size_t>(b) * block;
     try {

@@ -1,0 +1,115 @@
+// Runs of very many steps: what is conserved stays so, what rests stays at rest. CAIRN_LONG=1 runs them
+// whole.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "analysis/budget.h"
+#include "analysis/spin_state.h"
+#include "physics/report.h"
+#include "physics/scenes.h"
+
+namespace cairn {
+namespace {
+
+std::uint64_t steps(double shortened, double whole) {
+  return static_cast<std::uint64_t>(std::getenv("CAIRN_LONG") ? whole : shortened);
+}
+
+TEST(LongRuns, ThreeSpheresThatRestOnEachOther) {
+  // They turn about their mass centre, held by their gravity and a little cohesion, every part of the law on.
+  const double side = 2.0 - 1e-6, arm = side / std::sqrt(3.0), rate = 2e-4;
+  std::string content;
+  for (int k = 0; k < 3; ++k) {
+    const double a = 2.0 * kPi * k / 3.0;
+    const Vec3 x(arm * std::cos(a), arm * std::sin(a), 0.0);
+    content += body({.position = x, .velocity = Vec3(0, 0, rate).cross(x), .spin = {0, 0, rate}});
+  }
+  Experiment e(
+      scene_text({.restitution = 0.5, .friction = 0.5, .rolling = 0.3, .twisting = 0.3, .cohesion = 0.01},
+                 "stiffness = 1e3", "method = 'direct'", content));
+  e.begin();
+  e.advance(20000);  // the springs come to rest
+  const auto energy = [&] {
+    return mechanical_energy(e) + gravitational_energy(e.physics, e.state.bodies, e.scratch) +
+           e.state.ledger.dissipated;
+  };
+  const Budget before = budget(e.state.bodies);
+  const double start = energy(), kinetic = e.kinetic_energy();
+  report::Curve momentum{"angular momentum", {}, {}}, work{"energy over the kinetic one", {}, {}};
+  const std::uint64_t last = steps(1e6, 1e8);
+  double worst_momentum = 0.0, worst_energy = 0.0;
+  for (std::uint64_t done = 0, next = 1000; done < last; next = std::min(last, next + next / 4)) {
+    e.advance(next - done);
+    done = next;
+    const Budget now = budget(e.state.bodies);
+    const double drift = (now.angular_momentum_about_center - before.angular_momentum_about_center).norm() /
+                         before.angular_scale_about_center;
+    const double gone = std::abs(energy() - start) / kinetic;
+    worst_momentum = std::max(worst_momentum, drift);
+    worst_energy = std::max(worst_energy, gone);
+    momentum.x.push_back(static_cast<double>(done));
+    momentum.y.push_back(std::max(drift, 1e-17));
+    work.x.push_back(static_cast<double>(done));
+    work.y.push_back(std::max(gone, 1e-17));
+  }
+  EXPECT_EQ(e.state.contacts.records().size(), 3u);
+  report::error(
+      fmt::format("three spheres resting on each other for {:.0e} steps ({:.0f} turns): angular momentum, "
+                  "relative",
+                  static_cast<double>(last), e.state.clock.time() * rate / (2.0 * kPi)),
+      "conserved", worst_momentum, 1e-11);
+  report::error("their energy, over the kinetic energy", "conserved", worst_energy, 1e-6);
+  report::plot("three-bodies", "Drift of three spheres that rest on each other.",
+               {"steps", "drift", true, true}, {momentum, work});
+}
+
+TEST(LongRuns, APileOfAHundredBodiesKeepsItsSpin) {
+  Experiment e(
+      "seed = 8\n" +
+      scene_text({.restitution = 0.3, .friction = 0.6, .rolling = 0.5, .twisting = 0.5, .cohesion = 1.0},
+                 "max_overlap = 0.05\noverlap_limit = 0.5\nsteps_per_contact = 30", "method = 'direct'", R"(
+[[cloud]]
+shape = [{ shape = 'dumbbell' }, { shape = 'tetrahedron' }, { shape = 'diamond' }, { shape = 'sphere' }]
+count = 100
+size = 5
+density = 3000
+filling = 0.2
+spin_period = 40000
+material = 'surface'
+)",
+                 1e4));
+  e.begin();
+  e.advance(e.physics.steps);
+  const auto rate = [&] {
+    return rotation_rate(spin_state(e.state.bodies, all_bodies(e.state.bodies))).norm();
+  };
+  const double dt = e.physics.contacts.dt;
+  const Budget before = budget(e.state.bodies);
+  const double start = rate();
+  report::Curve period{"spin period", {}, {}}, momentum{"angular momentum", {}, {}};
+  const std::uint64_t last = steps(2e4, 1e7);
+  double worst = 0.0;
+  for (std::uint64_t done = 0, next = 1000; done < last; next = std::min(last, next + next / 4)) {
+    e.advance(next - done);
+    done = next;
+    const Budget now = budget(e.state.bodies);
+    const double drift = (now.angular_momentum_about_center - before.angular_momentum_about_center).norm() /
+                         before.angular_scale_about_center;
+    worst = std::max(worst, drift);
+    momentum.x.push_back(static_cast<double>(done));
+    momentum.y.push_back(std::max(drift, 1e-17));
+    period.x.push_back(static_cast<double>(done));
+    period.y.push_back(std::max(std::abs(start / rate() - 1.0), 1e-17));
+  }
+  const std::string run = fmt::format(
+      "a pile of 100 bodies for {:.0e} steps ({:.0f} turns of {:.2f} h)", static_cast<double>(last),
+      static_cast<double>(last) * dt * start / (2.0 * kPi), 2.0 * kPi / start / 3600.0);
+  report::error(run + ": angular momentum, relative", "conserved", worst, 1e-11);
+  report::error(run + ": spin period, change relative", "a pile at rest", period.y.back(), 1e-3);
+  report::plot("pile-spin", "Drift of a settled pile that spins freely.",
+               {"steps", "relative drift", true, true}, {momentum, period});
+}
+
+}  // namespace
+}  // namespace cairn
