@@ -24,6 +24,7 @@ void add_body(Bodies& bodies, const RigidShape& shape, std::uint32_t shape_index
   const Vec3 cell = nearest_multiples(placement.origin, bodies.cell_edge);
   const Vec3 position = (placement.origin - bodies.cell_edge * cell) + placement.position;
   bodies.position.push_back(position);
+  bodies.remainder.push_back(Vec3::Zero());
   if (bodies.cell.empty() && cell != Vec3::Zero()) bodies.cell.assign(index, Vec3::Zero());
   if (!bodies.cell.empty() || cell != Vec3::Zero()) bodies.cell.push_back(cell);
   bodies.velocity.push_back(placement.velocity);

@@ -32,6 +32,7 @@ struct Bodies {
   std::vector<std::uint32_t> first_sphere;  ///< size() + 1 entries
   // Pose and momentum.
   std::vector<Vec3> position;     ///< m, centre of mass, from the centre of its cell
+  std::vector<Vec3> remainder;    ///< m, what the drifts have rounded off `position`, for the next one
   std::vector<Vec3> velocity;     ///< m/s
   std::vector<Quat> orientation;  ///< principal frame -> space frame
   std::vector<Vec3> spin;         ///< kg m^2/s, angular momentum about the centre of mass, space frame

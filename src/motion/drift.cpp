@@ -52,6 +52,14 @@ Quat free_top_turn(Vec3 p, const Vec3& inertia, double dt) {
   return q;
 }
 
+/// x + rest += way, with what x cannot hold in `rest` (Knuth's two-sum). Equal steps are rounded alike:
+/// without this a body in free flight moves on average by another velocity than its momentum's.
+void add_exactly(Vec3& x, Vec3& rest, const Vec3& way) {
+  const Vec3 all = way + rest, sum = x + all, taken = sum - x;
+  rest = (x - (sum - taken)) + (all - taken);
+  x = sum;
+}
+
 /// tan(x) / x, from x^2.
 double tangent_ratio(double x2) {
   if (x2 > 1e-4) return std::tan(std::sqrt(x2)) / std::sqrt(x2);
@@ -78,7 +86,7 @@ void drift(Bodies& bodies, double dt, std::vector<Vec3>& spin_mid) {
   std::atomic<bool> left = false;
   parallel_for(bodies.size(), [&](std::size_t b) {
     Vec3& x = bodies.position[b];
-    x += dt * bodies.velocity[b];
+    add_exactly(x, bodies.remainder[b], dt * bodies.velocity[b]);
     if (x.cwiseAbs().maxCoeff() > reach) left.store(true, std::memory_order_relaxed);
     if (bodies.sphere_count(b) == 1) {  // the attitude of a loose sphere moves nothing
       const Vec3 w = bodies.spin[b].cwiseQuotient(bodies.inertia[b]);

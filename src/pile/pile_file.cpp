@@ -14,7 +14,7 @@ namespace {
 void check_pile(const State& state, std::size_t materials, const ContactColumns& contacts) {
   const Bodies& bodies = state.bodies;
   const std::size_t spheres = bodies.spheres.size();
-  if (bodies.position.size() != bodies.size() ||
+  if (bodies.position.size() != bodies.size() || bodies.remainder.size() != bodies.size() ||
       (!bodies.cell.empty() && bodies.cell.size() != bodies.size()))
     throw InputError("checkpoint: expected as many poses as bodies");
   for (std::size_t b = 0; b < bodies.size(); ++b) {

@@ -104,7 +104,8 @@ FieldTable motion_fields(Bodies& b) {
 FieldTable checkpoint_fields(State& s, ContactColumns& contacts, WallColumns& walls) {
   FieldTable table = motion_fields(s.bodies);
   const auto add = [&](const FieldTable& more) { table.insert(table.end(), more.begin(), more.end()); };
-  add({{"cell", "", "whole numbers: a body is at cell_edge * cell + position; empty: all are 0",
+  add({{"position_remainder", "m", "what rounding has kept from position", &s.bodies.remainder, "body"},
+       {"cell", "", "whole numbers: a body is at cell_edge * cell + position; empty: all are 0",
         &s.bodies.cell},
        {"cell_edge", "m", "of the lattice of cells; 0: none", &s.bodies.cell_edge},
        {"frame/position", "m", "zero of all positions, at time 0", &s.frame.position},

@@ -15,7 +15,7 @@ namespace cairn {
 
 namespace {
 
-constexpr double kWatchInterval = 0.2;  // s of wall-clock time
+constexpr double kWatchInterval = 0.05;  // s of wall-clock time
 
 /// Whether the step just done is the one nearest to a multiple of the interval (s; 0: never).
 bool due(const Clock& clock, double interval) {
@@ -29,7 +29,8 @@ void check_checkpoint(const std::filesystem::path& path, const Scene& scene, con
   const std::size_t n = state.bodies.size();
   const auto fail = [&](const char* what) { throw InputError("{}: checkpoint: {}", path.string(), what); };
   const std::size_t cells = state.bodies.cell.size();
-  if (state.bodies.position.size() != n || state.remnant.size() != n || (cells != 0 && cells != n))
+  if (state.bodies.position.size() != n || state.bodies.remainder.size() != n || state.remnant.size() != n ||
+      (cells != 0 && cells != n))
     fail("as many poses as bodies expected");
   if (state.clock.stage >= scene.stages.size()) fail("its stage is not in the scene");
   const std::size_t held = state.gravity.force.size();
