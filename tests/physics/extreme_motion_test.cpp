@@ -186,6 +186,10 @@ TEST(ExtremeMotion, RestitutionToItsEnds) {
     report::error("energy gone astray over that before", "conserved with what is dissipated",
                   std::abs(mechanical_energy(e) + e.state.ledger.dissipated - energy) / energy, 0.02);
   }
+  report::note(
+      "Restitution 0 is the critically damped contact: bodies stay in touch and creep apart for ever. 0.05 "
+      "to 0.1 "
+      "settles a pile just as fast.");
 }
 
 TEST(ExtremeMotion, CohesionBeyondTheStiffness) {

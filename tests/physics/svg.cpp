@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
@@ -69,6 +70,26 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
+/// Where the legend's first line begins: in the corner that hides the fewest points.
+Eigen::Vector2d free_corner(const std::vector<Eigen::Vector2d>& points, const std::vector<Curve>& curves) {
+  std::size_t longest = 0;
+  for (const Curve& c : curves) longest = std::max(longest, c.label.size());
+  const double wide = 18.0 + 7.0 * static_cast<double>(longest),
+               high = 18.0 * static_cast<double>(curves.size());
+  Eigen::Vector2d best;
+  std::ptrdiff_t fewest = static_cast<std::ptrdiff_t>(points.size()) + 1;
+  for (const double y : {kTop + 18.0, kHeight - kBottom - high + 6.0})
+    for (const double x : {kLeft + 12.0, kWidth - kRight - wide - 6.0}) {
+      const auto hidden = std::count_if(points.begin(), points.end(), [&](const Eigen::Vector2d& p) {
+        return p.x() > x - 12.0 && p.x() < x + wide + 12.0 && p.y() > y - 20.0 && p.y() < y + high;
+      });
+      if (hidden >= fewest) continue;
+      fewest = hidden;
+      best = {x, y};
+    }
+  return best;
+}
+
 }  // namespace
 
 std::string svg(const Axes& axes, const std::vector<Curve>& curves) {
@@ -98,6 +119,11 @@ std::string svg(const Axes& axes, const std::vector<Curve>& curves) {
   out +=
       fmt::format("<text transform=\"translate(18 {:.1f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
                   kTop + 0.5 * high, escaped(axes.y));
+  std::vector<Eigen::Vector2d> points;
+  for (const Curve& c : curves)
+    for (std::size_t p = 0; p < c.x.size(); ++p)
+      if (x.shows(c.x[p]) && y.shows(c.y[p])) points.emplace_back(px(c.x[p]), py(c.y[p]));
+  const Eigen::Vector2d legend = free_corner(points, curves);
   for (std::size_t k = 0; k < curves.size(); ++k) {
     const Curve& c = curves[k];
     const char* color = kColors[k % std::size(kColors)];
@@ -114,12 +140,12 @@ std::string svg(const Axes& axes, const std::vector<Curve>& curves) {
       out += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.5\"/>\n", path, color);
     out += fmt::format("<g fill=\"{}\">{}</g>\n", color, marks);
     if (!c.label.empty()) {
-      const double at = kTop + 18 + 18 * static_cast<double>(k);
+      const double at = legend.y() + 18 * static_cast<double>(k);
       out += fmt::format(
           "<rect x=\"{0:.1f}\" y=\"{1:.1f}\" width=\"12\" height=\"4\" fill=\"{2}\"/><text x=\"{3:.1f}\" "
           "y=\"{4:.1f}\">"
           "{5}</text>\n",
-          kLeft + 12, at - 6, color, kLeft + 30, at, escaped(c.label));
+          legend.x(), at - 6, color, legend.x() + 18, at, escaped(c.label));
     }
   }
   return out + "</svg>\n";
