@@ -8,9 +8,10 @@ namespace cairn {
 
 /// Positions as a snapshot holds them.
 struct Display {
-  Vec3 origin = Vec3::Zero();  ///< m, from the zero of the frame
-  std::vector<Vec3> bodies;    ///< m, from the origin; images of a box are followed
-  std::vector<Vec3f> spheres;  ///< m, from the origin; bodies centred within the box
+  Vec3 origin = Vec3::Zero();     ///< m, from the zero of the frame
+  std::vector<Vec3> bodies;       ///< m, from the origin; images of a box are followed
+  std::vector<Vec3f> spheres;     ///< m, from the origin; bodies centred within the box
+  std::vector<Vec3f> velocities;  ///< m/s, of the spheres' centres
 };
 
 /// The origin is the zero while the largest remnant is near it, and else the whole quarter of a cell nearest

@@ -174,6 +174,7 @@ void Run::add_snapshot() {
   table.push_back({"sphere_position", "m",
                    "centre, from origin, for display; in the periodic box the image in it", &display.spheres,
                    "sphere"});
+  table.push_back({"sphere_velocity", "m/s", "of the centre, for display", &display.velocities, "sphere"});
   table.push_back({"sphere_contacts", "", "number of touching spheres", &touching, "sphere"});
   table.push_back({"period", "s", "spin period of the largest remnant", &last_.period});
   table.push_back({"failed", "", "the pile has failed", &state_.control.failed});
