@@ -66,8 +66,7 @@ void check(const Options& options) {
   constexpr double bytes_per_sphere = 900.0;  // spheres, bodies, and six contacts with their histories
   fmt::print(
       "memory about {:.0f} MB; about {:.3g} min at the speed of the first steps ({:.2f} M sphere-steps/s on "
-      "{} "
-      "threads; dense piles have more contacts than clouds)\n",
+      "{} threads; dense piles have more contacts than clouds)\n",
       1e-6 * bytes_per_sphere * static_cast<double>(spheres), steps * cost / 60.0,
       1e-6 * static_cast<double>(spheres) / cost, omp_get_max_threads());
 }

@@ -127,8 +127,7 @@ RigidShape make_rigid(const Shape& shape, MassModel model) {
   if (rigid.mass_fractions.empty())
     throw InputError(
         "shape '{}': no positive masses at the sphere centres balance about the centre of mass, which must "
-        "lie "
-        "inside the hull of the centres",
+        "lie inside the hull of the centres",
         shape.name);
   rigid.moment_error = moment_error(rigid);
   return rigid;

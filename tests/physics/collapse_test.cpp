@@ -87,8 +87,7 @@ TEST(Collapse, EnergyIsStoredOrDissipatedToAThousandth) {
     if (n != 50.0) continue;
     report::error(fmt::format("collapse of {} aggregates, default time step: energy injected (start and work "
                               "of gravity) not found "
-                              "again, "
-                              "worst moment, relative",
+                              "again, worst moment, relative",
                               count),
                   "kinetic + springs + dissipated", b.worst, 1e-3);
     report::plot("collapse", "Energies of the collapse over the energy injected, default time step.",

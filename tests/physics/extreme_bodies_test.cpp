@@ -89,9 +89,8 @@ TEST(ExtremeSizes, ThreeGrainsCarryASphereOfAMillionTimesTheirMass) {
   const auto speed = [&] { return e.state.bodies.velocity[0].z(); };
   const auto start = static_cast<std::uint64_t>(0.1 * period / e.physics.contacts.dt);
   e.advance(start);
-  double deepest = 0.0;
   while (speed() < 0.0) e.advance(1);
-  deepest = height - e.state.bodies.position[0].z();
+  const double deepest = height - e.state.bodies.position[0].z();
   const double half = e.state.clock.time();
   report::close("a sphere let go on three grains of a hundredth of its size: greatest depth, m",
                 "2 M g / (3 k / 2)", deepest, 2.0 * mass * g / stiffness, 2e-3);
@@ -99,8 +98,7 @@ TEST(ExtremeSizes, ThreeGrainsCarryASphereOfAMillionTimesTheirMass) {
   report::note(
       "Size ratio 1:100: the program takes the stiffness from the heaviest body and the step from the "
       "lightest, so a scene of both takes sqrt(mass ratio) = 1000 times as many steps as one of large "
-      "spheres "
-      "alone. Results are as good as for equal spheres; leave out grains that do not matter.");
+      "spheres alone. Results are as good as for equal spheres; leave out grains that do not matter.");
 }
 
 TEST(ExtremeShapes, NeedleOfMomentsOneToTenThousand) {
@@ -142,8 +140,8 @@ TEST(ExtremeShapes, NeedleOfMomentsOneToTenThousand) {
                 1e-12);
   report::note(
       "Needles: the step is taken from the spin and the blow that a tip can meet, so nothing is lost at I1 / "
-      "I3 = "
-      "1e-4. Needles that spin fast about their length need a time_step of their own; the program warns.");
+      "I3 = 1e-4. Needles that spin fast about their length need a time_step of their own; the program "
+      "warns.");
 }
 
 TEST(ExtremeShapes, SpheresOfOneBodyThatOverlapAlmostWholly) {
@@ -194,8 +192,7 @@ TEST(ExtremeShapes, SpheresOfOneBodyThatOverlapAlmostWholly) {
   report::note(
       "A face of n spheres lands on n springs: its contact lasts sqrt(n) times less than the step was chosen "
       "for, and n dashpots brake it, so that the restitution of flat landings is below the value asked for "
-      "(plot). "
-      "Use fewer, larger spheres for flat faces, or more steps per contact.");
+      "(plot). Use fewer, larger spheres for flat faces, or more steps per contact.");
 }
 
 TEST(ExtremeShapes, BodiesOfFiveThousandSpheresCollide) {
@@ -227,8 +224,8 @@ TEST(ExtremeShapes, BodiesOfFiveThousandSpheresCollide) {
                 mechanical_energy(e) + e.state.ledger.dissipated, energy, 2e-3);
   report::note(
       "Bodies of thousands of spheres behave as others do; each shape of them costs half a second at the "
-      "start. Only "
-      "spheres near the surface ever touch: leave the inner ones out and give the density instead.");
+      "start. Only spheres near the surface ever touch: leave the inner ones out and give the density "
+      "instead.");
 }
 
 TEST(ExtremeContacts, ASphereStruckBySixtyAtOnce) {

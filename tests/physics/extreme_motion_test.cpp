@@ -83,8 +83,8 @@ TEST(ExtremeMotion, BlowsHarderThanTheStiffnessWasMadeFor) {
   report::note(
       "Blows 100 times faster than impact_speed: the linear law still gives the restitution asked for, but "
       "spheres sink into each other by up to a radius. The program warns at the start when the bodies' "
-      "speeds "
-      "ask for more than overlap_limit, and stops the run when it is passed, naming the keys to change.");
+      "speeds ask for more than overlap_limit, and stops the run when it is passed, naming the keys to "
+      "change.");
 }
 
 /// Spheres on a face-centred cubic lattice in a periodic box, pressed together a little, that jostle: twelve
@@ -168,8 +168,7 @@ TEST(ExtremeMotion, StepsFromMuchTooShortToMuchTooLong) {
   report::note(
       "Steps longer than a tenth of the shortest contact are refused (unsafe_time_step forces them): a "
       "sphere with twelve contacts is held by stiffer modes than one contact, and breaks the run at 3 to 5 "
-      "steps "
-      "per contact.");
+      "steps per contact.");
 }
 
 TEST(ExtremeMotion, RestitutionToItsEnds) {
@@ -188,8 +187,7 @@ TEST(ExtremeMotion, RestitutionToItsEnds) {
   }
   report::note(
       "Restitution 0 is the critically damped contact: bodies stay in touch and creep apart for ever. 0.05 "
-      "to 0.1 "
-      "settles a pile just as fast.");
+      "to 0.1 settles a pile just as fast.");
 }
 
 TEST(ExtremeMotion, CohesionBeyondTheStiffness) {
@@ -217,8 +215,7 @@ TEST(ExtremeMotion, CohesionBeyondTheStiffness) {
                 1e-6);
   report::note(
       "Cohesion that presses spheres together by more than overlap_limit at the stiffness given is refused "
-      "with "
-      "the least stiffness that would do; the stiffness chosen by the program always suffices.");
+      "with the least stiffness that would do; the stiffness chosen by the program always suffices.");
 }
 
 }  // namespace

@@ -80,8 +80,7 @@ TEST(ExtremeStates, AtRestExactlyOnAnEdge) {
   EXPECT_EQ(cube.contacts, 4u);
   report::note(
       "On an edge or a corner of a mesh a sphere has one contact, whose normal points away from the nearest "
-      "point; a "
-      "balance that is unstable in nature lasts here until something disturbs it.");
+      "point; a balance that is unstable in nature lasts here until something disturbs it.");
 }
 
 TEST(ExtremeStates, NothingMovesWithoutACause) {
@@ -100,8 +99,7 @@ TEST(ExtremeStates, NothingMovesWithoutACause) {
   EXPECT_EQ(e.kinetic_energy(), 0.0);
   report::note(
       "Without gravity, friction and motion not one bit changes in 10 000 steps. Where nothing loads the "
-      "contacts no "
-      "stiffness can be chosen and the program asks for contact.stiffness.");
+      "contacts no stiffness can be chosen and the program asks for contact.stiffness.");
 }
 
 TEST(ExtremeStates, NumbersTooSmallForFullPrecision) {

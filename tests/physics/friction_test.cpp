@@ -252,8 +252,7 @@ TEST(ObliqueBlow, ConstantNormalVelocityAndVaryingSlip) {
       "u_t / u_n = (7/2) mu_S an elastic contact sticks from first to last, above it slides from first to "
       "last. A damped contact slides as its closed form says as long as the slip does not turn back; one "
       "that would stick slips a little before it ends: the law shortens the spring to the limit mu_S N of "
-      "the "
-      "damped normal force before the dashpot is added. Near the threshold the slip after the blow then "
+      "the damped normal force before the dashpot is added. Near the threshold the slip after the blow then "
       "differs from the sticking form by up to 4 % "
       "of the speed at e = 0.9 and 10 % at e = 0.55.");
 }

@@ -124,8 +124,7 @@ class Packing {
 void print(const std::string& what, const Packing& p) {
   fmt::print(
       "{}: packing {:.4f}, {} of {} held, {:.3f} contacts each, overlaps {:.2e} mean, {:.2e} at most, net "
-      "force "
-      "{:.1e} of a contact's, {} steps\n",
+      "force {:.1e} of a contact's, {} steps\n",
       what, p.fraction(), p.held_, p.size(), p.per_body_, p.mean_overlap_, p.largest_overlap_,
       p.unbalanced_ / (kStiffness * p.mean_overlap_), p.steps());
 }

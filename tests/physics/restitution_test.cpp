@@ -107,8 +107,7 @@ TEST(Restitution, ErrorFallsWithTheSquareOfTheStep) {
                {"steps per contact", "relative error", true, true}, curves);
   report::note(
       "Default: 50 steps per contact. 20 give the restitution to 1 % at 0.55 and are stable for two bodies; "
-      "a "
-      "light body between several stiff contacts needs the rest.");
+      "a light body between several stiff contacts needs the rest.");
 }
 
 }  // namespace

@@ -106,8 +106,7 @@ TEST(RollingAndTwisting, SpheresTwistingOnEachOtherEndWithOneSpin) {
       "A twist couple of one sign on both bodies, as one published code has it, would drive both spheres of "
       "the pair that ends with one spin the same way, and lose its angular momentum. Coefficients twice too "
       "large, as another code has them, would show in the threshold couples (factor 2) and in the "
-      "frequencies "
-      "(factor sqrt 2).");
+      "frequencies (factor sqrt 2).");
 }
 
 /// A free oscillation of a contact that cohesion holds together without any other force.

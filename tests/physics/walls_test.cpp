@@ -357,8 +357,7 @@ TEST(Walls, WorkOfAShakenAndTurnedBoxIsFoundInItsGrains) {
       "energy gained and lost", std::abs(rough.gained + rough.lost - rough.work) / rough.lost, 1e-3);
   report::note(
       "The account of the energy lost in contacts is of first order in the step: at 50 steps per contact "
-      "some "
-      "0.5 % of what is lost is missing in the box above, whether its walls move or not.");
+      "some 0.5 % of what is lost is missing in the box above, whether its walls move or not.");
 }
 
 }  // namespace

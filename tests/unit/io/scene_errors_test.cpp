@@ -37,8 +37,7 @@ TEST(SceneErrors, UnknownKeys) {
                "s.toml:8:1: key 'contact.stifness': unknown key; did you mean 'stiffness'?"},
               {"[gravity]\ncontact = 1",
                "s.toml:8:1: key 'gravity.contact': unknown key; expected 'method', 'opening_angle', 'order', "
-               "'interval' or "
-               "'field'"},
+               "'interval' or 'field'"},
               {"[contat]", "s.toml:7:2: key 'contat': unknown key; did you mean 'contact'?"},
               {"[stage.spin]\npath = [[0, 1]]\ninclude_shde = true",
                "s.toml:9:1: key 'stage[0].spin.include_shde': unknown key; did you mean 'include_shed'?"},
