@@ -83,7 +83,7 @@ material = 'surface'
 )",
                  1e4));
   e.begin();
-  e.advance(e.physics.steps);
+  e.advance(e.physics.steps + 60000);  // the last grains roll to their places
   const auto rate = [&] {
     return rotation_rate(spin_state(e.state.bodies, all_bodies(e.state.bodies))).norm();
   };
@@ -109,7 +109,7 @@ material = 'surface'
       "a pile of 100 bodies for {:.0e} steps ({:.0f} turns of {:.2f} h)", static_cast<double>(last),
       static_cast<double>(last) * dt * start / (2.0 * kPi), 2.0 * kPi / start / 3600.0);
   report::error(run + ": angular momentum, relative", "conserved", worst, 1e-11);
-  report::error(run + ": spin period, change relative", "a pile at rest", period.y.back(), 1e-3);
+  report::error(run + ": spin period, change relative", "a pile at rest", period.y.back(), 1e-5);
   report::plot("pile-spin", "Drift of a settled pile that spins freely.",
                {"steps", "relative drift", true, true}, {momentum, period});
 }
