@@ -248,6 +248,21 @@ TEST(SceneErrors, HostileTexts) {
   EXPECT_LT(long_key.size(), 1000u);
 }
 
+TEST(SceneErrors, CharactersBeyondAsciiBelongInStringsAndComments) {
+  EXPECT_EQ(error_of("\xEF\xBB\xBFtitle = 'größe \uFD00'  # µ\n" + kGood), "no error");
+  EXPECT_TRUE(error_of("title = [{a='é', b=[\"é\",'é']}]").find("ASCII") == std::string::npos);
+  EXPECT_EQ(error_of("title='é'\n" + kGood), "no error");
+  EXPECT_EQ(error_of("title = \"\"\"é \\\n  e é \\\\é\"\"\"\n" + kGood), "no error");
+  for (const std::string text : {"\nfriction \uFD00 = 1", "\nsize = 10é", "\n[é]", "\n µ", "\nsize = 1\"é\"",
+                                 "\nsize = [1, 2=\"é\"]", "\nsize = 1['é']", "\nsize = {a=1=\"é\"}"})
+    EXPECT_TRUE(error_of(text).ends_with("expected only ASCII characters outside strings and comments"))
+        << error_of(text);
+  EXPECT_TRUE(error_of(" é").starts_with("s.toml:1:2: "));
+  EXPECT_TRUE(error_of("title = \"\\é\"").ends_with("expected an ASCII character behind '\\'"));
+  EXPECT_TRUE(
+      error_of("title = \"\"\" \\\r\n \n é\"\"\"").ends_with("expected an ASCII character behind '\\'"));
+}
+
 TEST(SceneErrors, DotsAndCommasInsideTextDoNotCount) {
   const std::string dots = "title = 'a.b.c.d.e.f.g.h.i.j' # a.b.c.d.e.f.g.h.i.j\n";
   EXPECT_EQ(error_of(dots + kGood), "no error");
