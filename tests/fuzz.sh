@@ -1,19 +1,35 @@
 #!/usr/bin/env bash
-# Fuzzes the readers of users' files with clang's libFuzzer, starting from the files that the repository ships.
+# Fuzzes the readers of users' files with clang's libFuzzer, starting from the files that the repository ships
+# and, for meshes, from one small mesh in each format.
 #   tests/fuzz.sh [SECONDS]      for each reader; default: 60. An input that breaks one is left in the present folder.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 seconds=${1:-60}
 
 bash "$root/.ci/install" clang libclang-rt-14-dev
-cmake -S "$root" --preset fuzz
-cmake --build "$root/build/fuzz"
+(cd "$root" && cmake --preset fuzz && cmake --build --preset fuzz)
 corpus=$(mktemp -d)
 trap 'rm -rf "$corpus"' EXIT
-mkdir "$corpus"/{scene,shape}
+mkdir "$corpus"/{scene,shape,mesh}
 cp "$root"/examples/*.toml "$corpus/scene"
 cp "$root"/shapes_lib/*.toml "$corpus/shape"
-for reader in scene shape; do
+
+# A tetrahedron, or one of its faces where the file is binary. The first digit says which format follows.
+points='0 0 0\n1 0 0\n0 1 0\n0 0 1\n'
+faces='3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n'
+header='element vertex %d\nproperty float x\nproperty float y\nproperty float z\nelement face %d\nproperty list uchar int vertex_indices\nend_header\n'
+one='\0\0\x80\x3f'
+triangle="\0\0\0\0\0\0\0\0\0\0\0\0$one\0\0\0\0\0\0\0\0\0\0\0\0$one\0\0\0\0"
+cd "$corpus/mesh"
+printf '0# tetrahedron\nv 0 0 0\nv +1 0 0\nvn 0 0 1\nv 0 1e0 0\nv 0 0 1\nf 1//1 3/2 2\nf 1 2 4\nf -4 \\\n-1 -2\nf 2 3 4 1\n' > obj
+printf "1OFF\n4 4 6\n$points$faces" > off
+printf "2ply\nformat ascii 1.0\ncomment a\n$header$points$faces" 4 4 > ply_text
+printf "2ply\nformat binary_little_endian 1.0\n$header$triangle\x03\0\0\0\0\x01\0\0\0\x02\0\0\0" 3 1 > ply_binary
+printf '3solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid s\n' > stl_text
+{ printf '3'; head -c 80 /dev/zero; printf "\x01\0\0\0\0\0\0\0\0\0\0\0$one$triangle\0\0"; } > stl_binary
+cd "$OLDPWD"
+
+for reader in scene shape mesh; do
   "$root/build/fuzz/tests/fuzz/fuzz_$reader" -max_total_time="$seconds" -timeout=10 -max_len=20000 -print_final_stats=1 \
     "$corpus/$reader"
 done

@@ -18,8 +18,7 @@ inline SourcePosition position_of(const toml::node& node) {
 std::string read_text_file(const std::filesystem::path& path);
 
 /// Parses TOML. @throws InputError "file:line:column: ..." for a syntax error, a key given twice, or a text
-/// that no honest user writes (keys of more than 8 parts, more than 1 000 000 values, or 50 000 tables and
-/// dotted keys).
+/// that no honest user writes (see check_toml; at most 50 000 tables and dotted keys).
 toml::table parse_toml(const std::string& text, const std::string& file);
 
 }  // namespace cairn

@@ -6,10 +6,14 @@
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <set>
 #include <unordered_map>
 
+#include "core/apart.h"
 #include "core/error.h"
 
 namespace cairn {
@@ -21,14 +25,6 @@ constexpr double kLargest = 1e15;                   // m
 constexpr std::size_t kMostTriangles = 50'000'000;  // features of a mesh are numbered in 32 bits
 
 using Triangle = std::array<std::uint32_t, 3>;
-
-/// The first line of a message of assimp, safe to print.
-std::string first_line(std::string_view text) {
-  std::string line(text.substr(0, std::min<std::size_t>(text.find('\n'), 200)));
-  std::replace_if(
-      line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
-  return line;
-}
 
 /// Finds earlier points within a tolerance, on a grid of cells as wide as the tolerance.
 class Welder {
@@ -71,6 +67,64 @@ bool has_area(const Vec3& a, const Vec3& b, const Vec3& c) {
   return (b - a).cross(c - a).norm() > kFlat * longest;
 }
 
+/// The first line of a message of assimp, safe to print.
+std::string first_line(std::string_view text) {
+  std::string line(text.substr(0, std::min<std::size_t>(text.find('\n'), 200)));
+  std::replace_if(
+      line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
+  return line;
+}
+
+template <class T>
+void pack(std::string& to, const std::vector<T>& values) {
+  const std::uint64_t bytes = values.size() * sizeof(T);
+  to.append(reinterpret_cast<const char*>(&bytes), sizeof bytes);
+  to.append(reinterpret_cast<const char*>(values.data()), bytes);
+}
+
+template <class T>
+std::vector<T> unpack(std::string_view& from) {
+  std::uint64_t bytes = 0;
+  std::memcpy(&bytes, from.data(), sizeof bytes);
+  std::vector<T> values(bytes / sizeof(T));
+  if (bytes > 0) std::memcpy(values.data(), from.data() + sizeof bytes, bytes);
+  from.remove_prefix(sizeof bytes + bytes);
+  return values;
+}
+
+/// Vertices and triangles of a file as assimp reads them, packed.
+std::string import(std::string_view bytes, const std::string& kind) {
+  Assimp::Importer importer;
+  const aiScene* scene =
+      importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate, kind.c_str());
+  if (!scene) throw InputError("not a valid mesh: {}", first_line(importer.GetErrorString()));
+  std::vector<std::array<float, 3>> vertices;
+  std::vector<Triangle> triangles;
+  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
+    const aiMesh& part = *scene->mMeshes[m];
+    const auto first = static_cast<std::uint32_t>(vertices.size());
+    for (unsigned v = 0; v < part.mNumVertices; ++v)
+      vertices.push_back({part.mVertices[v].x, part.mVertices[v].y, part.mVertices[v].z});
+    for (unsigned f = 0; f < part.mNumFaces; ++f) {
+      const aiFace& face = part.mFaces[f];
+      if (face.mNumIndices != 3) continue;  // points and lines
+      Triangle t;
+      for (unsigned k = 0; k < 3; ++k) {
+        if (face.mIndices[k] >= part.mNumVertices)
+          throw InputError("triangle {} has a vertex that does not exist", triangles.size());
+        t[k] = first + face.mIndices[k];
+      }
+      triangles.push_back(t);
+    }
+  }
+  if (triangles.size() > kMostTriangles)
+    throw InputError("expected at most {} triangles, found {}", kMostTriangles, triangles.size());
+  std::string out;
+  pack(out, vertices);
+  pack(out, triangles);
+  return out;
+}
+
 }  // namespace
 
 TriangleMesh weld(const TriangleMesh& mesh, double tolerance) {
@@ -101,45 +155,22 @@ TriangleMesh weld(const TriangleMesh& mesh, double tolerance) {
   return out;
 }
 
-TriangleMesh load_mesh(const std::filesystem::path& path, double unit) {
-  const std::string name = path.string();
-  std::string kind = path.extension().string();
-  std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (kind != ".obj" && kind != ".stl" && kind != ".ply" && kind != ".off")
+TriangleMesh parse_mesh(std::string_view bytes, const std::string& kind, const std::string& name,
+                        double unit) {
+  if (kind != "obj" && kind != "stl" && kind != "ply" && kind != "off")
     throw InputError("{}: not a mesh file that can be read; expected .obj, .stl, .ply or .off", name);
-  std::error_code none;
-  if (!std::filesystem::is_regular_file(path, none)) throw InputError("{}: no such mesh file", name);
-
-  Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile(name, aiProcess_Triangulate);
-  if (!scene) throw InputError("{}: not a valid mesh: {}", name, first_line(importer.GetErrorString()));
-
+  // Broken files make assimp 5.2 write beyond its memory, hang, or ask for any amount of it.
+  const std::string packed = naming(name, [&] { return run_apart([&] { return import(bytes, kind); }); });
+  std::string_view rest = packed;
+  const auto vertices = unpack<std::array<float, 3>>(rest);
   TriangleMesh mesh;
-  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
-    const aiMesh& part = *scene->mMeshes[m];
-    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (unsigned v = 0; v < part.mNumVertices; ++v) {
-      const aiVector3D& x = part.mVertices[v];
-      mesh.vertices.push_back(unit * Vec3(x.x, x.y, x.z));
-      if (!(mesh.vertices.back().cwiseAbs().maxCoeff() < kLargest))
-        throw InputError("{}: vertex {} is not finite or farther than {:g} m from the origin", name,
-                         mesh.vertices.size() - 1, kLargest);
-    }
-    for (unsigned f = 0; f < part.mNumFaces; ++f) {
-      const aiFace& face = part.mFaces[f];
-      if (face.mNumIndices != 3) continue;  // points and lines
-      Triangle t;
-      for (unsigned k = 0; k < 3; ++k) {
-        if (face.mIndices[k] >= part.mNumVertices)
-          throw InputError("{}: triangle {} has a vertex that does not exist", name, mesh.triangles.size());
-        t[k] = first + face.mIndices[k];
-      }
-      mesh.triangles.push_back(t);
-    }
+  for (const auto& [x, y, z] : vertices) {
+    mesh.vertices.push_back(unit * Vec3(x, y, z));
+    if (!(mesh.vertices.back().array().abs() < kLargest).all())  // nor NaN
+      throw InputError("{}: vertex {} is not finite or farther than {:g} m from the origin", name,
+                       mesh.vertices.size() - 1, kLargest);
   }
-  if (mesh.triangles.size() > kMostTriangles)
-    throw InputError("{}: expected at most {} triangles, found {}", name, kMostTriangles,
-                     mesh.triangles.size());
+  mesh.triangles = unpack<Triangle>(rest);
   Vec3 low = Vec3::Constant(kLargest), high = -low;
   for (const Vec3& x : mesh.vertices) {
     low = low.cwiseMin(x);
@@ -150,6 +181,19 @@ TriangleMesh load_mesh(const std::filesystem::path& path, double unit) {
   if (mesh.triangles.empty())
     throw InputError("{}: {}", name, given == 0 ? "holds no triangle" : "holds no triangle with an area");
   return mesh;
+}
+
+TriangleMesh load_mesh(const std::filesystem::path& path, double unit) {
+  const std::string name = path.string();
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(path, none)) throw InputError("{}: no such mesh file", name);
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  if (!file) throw InputError("{}: cannot be read", name);
+  std::string kind = path.extension().string();
+  if (!kind.empty()) kind.erase(0, 1);
+  std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });
+  return parse_mesh(bytes, kind, name, unit);
 }
 
 }  // namespace cairn

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <filesystem>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/math.h"
@@ -20,6 +22,10 @@ struct TriangleMesh {
 /// copies of a triangle are left out. Coordinates have single precision (assimp).
 /// @throws InputError "FILE: what is wrong" when the file cannot be read or holds no triangle.
 TriangleMesh load_mesh(const std::filesystem::path& path, double unit);
+
+/// The same from the bytes of a file called `name`; `kind` is "obj", "stl", "ply" or "off".
+TriangleMesh parse_mesh(std::string_view bytes, const std::string& kind, const std::string& name,
+                        double unit);
 
 /// The same surface with vertices within `tolerance` (m) of each other welded, without triangles that have no
 /// area or repeat another's vertices. Vertices that no triangle uses are left out.

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/suggest.h"
+#include "core/toml_guard.h"
 
 namespace cairn {
 namespace {
@@ -143,6 +144,8 @@ class Reader {
 }  // namespace
 
 Shape parse_shape(std::string_view text, const std::string& file) {
+  if (const auto complaint = check_toml(text, static_cast<int>(kMostSpheres) + 10))
+    throw InputError("{}:{}:{}: {}", file, complaint->line, complaint->column, complaint->what);
   toml::table root;
   try {
     root = toml::parse(text);

@@ -231,20 +231,35 @@ TEST(SceneErrors, Stages) {
 }
 
 TEST(SceneErrors, HostileTexts) {
-  std::string deep_key, distinct, rows;
+  std::string deep_key, distinct, rows, brackets = "a = ";
   for (int i = 0; i < 1'000'000; ++i) deep_key += "a.";
   for (int i = 0; i < 120'000; ++i) distinct += fmt::format("[[a{}]]\n", i);
   for (int i = 0; i < 600'000; ++i) rows += "[0,1],";
+  brackets.append(1'000'000, '[');
   EXPECT_EQ(error_of(deep_key + "a = 1"), "s.toml:1:16: a key has more than 8 parts");
   EXPECT_EQ(error_of("\n[" + deep_key + "a]"), "s.toml:2:17: a key has more than 8 parts");
   EXPECT_EQ(error_of(distinct), "s.toml:50001:1: more than 50000 tables and dotted keys");
   EXPECT_TRUE(error_of("a = [" + rows).ends_with("more than 1000000 values"));
-  EXPECT_TRUE(error_of("a = " + std::string(1'000'000, '[')).find("maximum nested value depth") !=
-              std::string::npos);
+  EXPECT_TRUE(error_of(brackets).find("maximum nested value depth") != std::string::npos);
   EXPECT_EQ(error_of(std::string(16'000'001, '#')), "s.toml: larger than 16 MB");
   const std::string long_key = error_of(std::string(1'000'000, 'k') + " = 1\n");
   EXPECT_TRUE(long_key.starts_with("s.toml:1:1: key 'kkk"));
   EXPECT_LT(long_key.size(), 1000u);
+}
+
+TEST(SceneErrors, CharactersBeyondAsciiBelongInStringsAndComments) {
+  EXPECT_EQ(error_of("\xEF\xBB\xBFtitle = 'größe \uFD00'  # µ\n" + kGood), "no error");
+  EXPECT_TRUE(error_of("title = [{a='é', b=[\"é\",'é']}]").find("ASCII") == std::string::npos);
+  EXPECT_EQ(error_of("title='é'\n" + kGood), "no error");
+  EXPECT_EQ(error_of("title = \"\"\"é \\\n  e é \\\\é\"\"\"\n" + kGood), "no error");
+  for (const std::string text : {"\nfriction \uFD00 = 1", "\nsize = 10é", "\n[é]", "\n µ", "\nsize = 1\"é\"",
+                                 "\nsize = [1, 2=\"é\"]", "\nsize = 1['é']", "\nsize = {a=1=\"é\"}"})
+    EXPECT_TRUE(error_of(text).ends_with("expected only ASCII characters outside strings and comments"))
+        << error_of(text);
+  EXPECT_TRUE(error_of(" é").starts_with("s.toml:1:2: "));
+  EXPECT_TRUE(error_of("title = \"\\é\"").ends_with("expected an ASCII character behind '\\'"));
+  EXPECT_TRUE(
+      error_of("title = \"\"\" \\\r\n \n é\"\"\"").ends_with("expected an ASCII character behind '\\'"));
 }
 
 TEST(SceneErrors, DotsAndCommasInsideTextDoNotCount) {

@@ -45,6 +45,15 @@ class LibraryTest : public testing::Test {
 
 const std::string kGood = "name = \"grain\"\n[[sphere]]\ncenter = [0, 0.5, 0]\nradius = 1\n";
 
+TEST_F(LibraryTest, TextsThatTheParserWouldNotSurviveAreRefused) {
+  std::string deep;
+  for (int i = 0; i < 1'000'000; ++i) deep += "a.";
+  EXPECT_EQ(message(deep + "a = 1"), ":1:16: a key has more than 8 parts");
+  EXPECT_EQ(message("name \uFD00 = 1"), ":1:6: expected only ASCII characters outside strings and comments");
+  EXPECT_EQ(message("a = 1\"\u06DB\""), ":1:6: expected only ASCII characters outside strings and comments");
+  EXPECT_EQ(message("description = 'größe'  # µ\n" + kGood), "accepted");
+}
+
 TEST_F(LibraryTest, EveryShapeLoads) {
   const std::vector<std::string> names = library_names();
   for (const char* name : {"sphere", "dumbbell", "rod4", "diamond", "tetrahedron", "cube", "octahedron",

@@ -1,7 +1,10 @@
 // Meshes from files of every format, and the one-line errors of bad ones.
 #include "shape/mesh.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 #include "core/error.h"
 #include "folder.h"
@@ -21,6 +24,41 @@ const char* const kStl =
     "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 3 3 0\nvertex 0 3 0\nendloop\nendfacet\nendsolid "
     "s\n";
 
+// The bytes of values, those of highest weight first if `swapped`.
+template <class... Values>
+std::string raw(bool swapped, Values... values) {
+  std::string all;
+  const auto add = [&](auto value) {
+    std::string bytes(reinterpret_cast<const char*>(&value), sizeof value);
+    if (swapped) std::reverse(bytes.begin(), bytes.end());
+    all += bytes;
+  };
+  (add(values), ...);
+  return all;
+}
+
+std::string binary_ply(bool swapped) {
+  std::string bytes = std::string("ply\r\nformat binary_") + (swapped ? "big" : "little") +
+                      "_endian 1.0\r\ncomment a square\r\nelement vertex 4\r\nproperty double x\r\n"
+                      "property uchar red\r\nproperty float y\r\nproperty short z\r\nelement edge 1\r\n"
+                      "property int from\r\nelement face 1\r\nproperty list ushort int8 weights\r\n"
+                      "property list uint8 uint vertex_index\r\nend_header\n";
+  for (const auto& [x, y] : {std::pair{0.0, 0.f}, {3.0, 0.f}, {3.0, 3.f}, {0.0, 3.f}})
+    bytes += raw(swapped, x, std::uint8_t{9}, y, std::int16_t{0});
+  bytes += raw(swapped, std::int32_t{7}, std::uint16_t{2}, std::int8_t{-1}, std::int8_t{1}, std::uint8_t{4});
+  return bytes + raw(swapped, 0u, 1u, 2u, 3u);
+}
+
+std::string binary_stl() {
+  std::string bytes = "solid, but binary";
+  bytes.resize(80, ' ');
+  bytes += raw(false, 2u);
+  for (const float corner : {0.f, 3.f})  // of the square, on the diagonal's either side
+    bytes +=
+        raw(false, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 3.f, corner, 0.f, 3.f - corner, 3.f, 0.f, std::uint16_t{0});
+  return bytes;
+}
+
 double area(const TriangleMesh& mesh) {
   double sum = 0.0;
   for (const auto& [a, b, c] : mesh.triangles)
@@ -31,7 +69,13 @@ double area(const TriangleMesh& mesh) {
 TEST(Mesh, EveryFormatGivesTheSameWeldedTriangles) {
   const Folder folder;
   for (const auto& [name, text] :
-       {std::pair{"a.obj", kObj}, {"a.off", kOff}, {"a.ply", kPly}, {"a.STL", kStl}}) {
+       std::vector<std::pair<std::string, std::string>>{{"a.obj", kObj},
+                                                        {"a.off", kOff},
+                                                        {"a.ply", kPly},
+                                                        {"little.ply", binary_ply(false)},
+                                                        {"big.ply", binary_ply(true)},
+                                                        {"a.STL", kStl},
+                                                        {"binary.stl", binary_stl()}}) {
     SCOPED_TRACE(name);
     const TriangleMesh mesh = load_mesh(folder.write(name, text), 0.001);
     EXPECT_EQ(mesh.vertices.size(), 4u);
@@ -74,8 +118,15 @@ TEST(Mesh, BadFilesAreRefusedInOneLine) {
   refused("empty.obj", "", "not a valid mesh");
   refused("words.ply", "not a mesh at all", "not a valid mesh");
   refused("zero.off", "", "not a valid mesh");
+  // A vertex list twice: the reader would write beyond its memory.
+  refused("twice.ply",
+          "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+          "element vertex 4000\nproperty float x\nend_header\n0 0 0\n" +
+              std::string(8000, '1'),
+          "");
   refused("points.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n", "holds no triangle");
   refused("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "holds no triangle with an area");
+  refused("nan.obj", "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n", "vertex 1 is not finite");
   refused("far.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1 0\nf 1 2 3\n", "vertex");
 }
 
