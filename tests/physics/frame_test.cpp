@@ -202,6 +202,11 @@ TEST(Frames, BinaryKeepsItsAngularMomentum) {
                   drift, 1e-12);
     report::error(what + ": drift of the total momentum, relative", "0", linear, 1e-12);
   }
+  report::note(
+      "Far from the origin and far apart: places are kept in cells, so a pile 1.5e11 m away and each part of "
+      "a binary "
+      "behave as one at the origin. Give single bodies that touch each other there from a [frame] near "
+      "them.");
 }
 
 }  // namespace
