@@ -1,6 +1,7 @@
 #include "app/run_loop.h"
 
 #include <fmt/core.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -55,6 +56,9 @@ class ProgressBar {
     if (clock.stage != stage_) {
       if (stage_ != kNone) newline();
       stage_ = clock.stage;
+      if (const double error = run.state().gravity.error; error > 0.0)
+        spdlog::info("stage '{}': the tree's field has an error of {:.1e}", run.scene().stages[stage_].name,
+                     error);
       mark_ = last_line_ = now;
       mark_step_ = clock.step;
     }

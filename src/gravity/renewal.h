@@ -16,6 +16,9 @@ struct HeldGravity {
   std::vector<Vec3> torque;   ///< about each group's centre of mass at `time`, N m
   double time = 0.0;          ///< of the evaluation, s
   Vec3 omega = Vec3::Zero();  ///< angular velocity of the pile at `time`, rad/s
+  double scale = 0.0;         ///< rms acceleration of the spheres then, m/s^2
+  double factor = 0.0;  ///< tolerance of the tree's interactions over `scale`; 0: by opening angle alone
+  double error = 0.0;   ///< of the field, measured when the factor was chosen; 0: not measured
 };
 
 /// Clears forces (N) and torques (N m) on groups of their net force and of their net torque about the mass

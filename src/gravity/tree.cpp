@@ -79,7 +79,7 @@ void Tree::halve(std::size_t cell) {
 void Tree::describe(std::size_t cell) {
   const std::size_t from = begin(cell), to = end(cell);
   Cell& c = cells_[cell];
-  c = {Vec3::Zero(), 0.0, 0.0};
+  c = {Vec3::Zero(), 0.0, 0.0, 0.0, 0.0};
   if (from == to) return;
   // About one of the points, so that a small cell far from the origin keeps its digits.
   const Pack x0 = spread(arrays_.x[from]), y0 = spread(arrays_.y[from]), z0 = spread(arrays_.z[from]);
@@ -103,14 +103,17 @@ void Tree::describe(std::size_t cell) {
 
   double square = 0.0;
   const Pack cx = spread(c.centre.x()), cy = spread(c.centre.y()), cz = spread(c.centre.z());
-  Pack largest{};
+  Pack largest{}, sixth{};
   for (std::size_t i = from; i < to; i += kLanes) {
     const Pack dx = load(&arrays_.x[i]) - cx, dy = load(&arrays_.y[i]) - cy, dz = load(&arrays_.z[i]) - cz;
     const Pack d2 = head(to - i) * fma(dx, dx, fma(dy, dy, dz * dz));
     largest = d2 > largest ? d2 : largest;
+    sixth = fma(load(&arrays_.mass[i]) * d2, d2 * d2, sixth);
   }
   for (int i = 0; i < kLanes; ++i) square = std::max(square, largest[i]);
   c.radius = std::sqrt(square);
+  c.mass = total;
+  c.spread = total > 0.0 ? std::min(c.radius, std::sqrt(std::cbrt(sum(sixth) / total))) : c.radius;
 }
 
 void Tree::relate(std::size_t cell) {

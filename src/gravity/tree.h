@@ -15,6 +15,8 @@ namespace cairn::gravity {
 struct Cell {
   Vec3 centre;    ///< centre of mass, m (mean position when massless)
   double radius;  ///< largest distance of its points from the centre, m
+  double spread;  ///< sixth-power mean of the distances of its points from the centre by mass, m
+  double mass;    ///< kg
   double reach;   ///< no point of it has a fellow of its own group farther away than this, m
 };
 

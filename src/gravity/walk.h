@@ -22,12 +22,40 @@ struct Meetings {
   std::vector<std::uint32_t> stack;
 };
 
-/// Sorts `candidates` for target cell `a`. Cells meet as a whole when radius + radius < theta x distance and
-/// they share no group; two cells of one and the same group do not meet at all. Symmetric in target and
-/// source.
-inline void sort_sources(const Tree& tree, double theta, std::uint32_t a,
+/// When cells may meet by expansions: far enough apart by their radii and, with a tolerance, only where the
+/// acceleration that the first neglected terms stand for,
+///   G M / r^2 (reach / r)^order / (1 - radii / r)^2   [after Dehnen 2014, Comput. Astrophys. Cosmol. 1, 1],
+/// is below it for both cells. Light and distant cells then meet early, heavy and near ones late.
+struct Opening {
+  double theta = 0.7;      ///< the sum of their radii is below theta x distance, 0..1
+  double tolerance = 0.0;  ///< m/s^2; 0: theta alone decides
+  int order = 5;           ///< of the expansions
+
+  /// Mass of the cells like `source` that a much wider target sees alike: their errors add up.
+  static double crowd(const Cell& source, const Cell& target) {
+    const double wider = 0.5 * target.radius, narrow = std::max(source.radius, 1e-3 * wider);
+    return wider > narrow ? source.mass * (wider / narrow) * (wider / narrow) : source.mass;
+  }
+
+  bool far(const Cell& a, const Cell& b, double square) const {
+    constexpr double kTooClose = 1e-40;  // m^2: below it the powers of 1/r overflow
+    const double radii = a.radius + b.radius;
+    if (!(radii * radii < theta * theta * square && square > kTooClose)) return false;
+    if (tolerance == 0.0) return true;
+    // Sources count by their moments, targets by their farthest point.
+    const double reach = std::max(a.spread + b.radius, a.radius + b.spread), ratio = reach * reach / square;
+    const double pull = kGravitationalConstant * std::max(crowd(a, b), crowd(b, a)) / square;
+    double power = (order & 1) ? ratio : 1.0;  // (reach / r)^(2 order)
+    for (int k = order / 2; k > 0; --k) power *= ratio * ratio;
+    const double gap = 1.0 - radii / std::sqrt(square), most = tolerance * gap * gap;
+    return pull * pull * power < most * most;
+  }
+};
+
+/// Sorts `candidates` for target cell `a`. Cells meet as a whole when `opening` allows and they share no
+/// group; two cells of one and the same group do not meet at all. Symmetric in target and source.
+inline void sort_sources(const Tree& tree, const Opening& opening, std::uint32_t a,
                          const std::vector<std::uint32_t>& candidates, Meetings& m) {
-  constexpr double kTooClose = 1e-40;  // m^2: below it the powers of 1/r overflow
   for (auto* list : {&m.far, &m.near, &m.near_mixed, &m.open}) list->clear();
   m.stack.assign(candidates.rbegin(), candidates.rend());
   const Cell& target = tree[a];
@@ -37,8 +65,7 @@ inline void sort_sources(const Tree& tree, double theta, std::uint32_t a,
     m.stack.pop_back();
     const Cell& source = tree[b];
     const double square = (target.centre - source.centre).squaredNorm();
-    const double radii = target.radius + source.radius;
-    const bool far = radii * radii < theta * theta * square && square > kTooClose;
+    const bool far = opening.far(target, source, square);
     const bool b_leaf = tree.leaf(b);
     if (far || (a_leaf && b_leaf) || target.reach > 0.0) {
       const Kinship kinship = tree.kinship(a, b, std::sqrt(square));
@@ -72,7 +99,8 @@ inline void sort_sources(const Tree& tree, double theta, std::uint32_t a,
 template <class Kernel>
 class Walk {
  public:
-  Walk(const Tree& tree, double theta, const Kernel& kernel) : tree_(tree), theta_(theta), kernel_(kernel) {}
+  Walk(const Tree& tree, const Opening& opening, const Kernel& kernel)
+      : tree_(tree), opening_(opening), kernel_(kernel) {}
 
   void run() const {
     // Each task walks the path from the root to its subtree again, which costs little and needs no shared
@@ -105,7 +133,7 @@ class Walk {
 
   typename Kernel::Local visit(Task& task, std::uint32_t cell, unsigned level,
                                const typename Kernel::Local& parent) const {
-    sort_sources(tree_, theta_, cell, task.candidates[level], task.meetings);
+    sort_sources(tree_, opening_, cell, task.candidates[level], task.meetings);
     task.candidates[level + 1].swap(task.meetings.open);
     return kernel_.descend(cell, parent, task.meetings.far, task.scratch);
   }
@@ -121,7 +149,7 @@ class Walk {
   }
 
   const Tree& tree_;
-  double theta_;
+  Opening opening_;
   const Kernel& kernel_;
 };
 

@@ -23,6 +23,7 @@ class Checks {
     for (std::size_t i = 0; i < scene_.walls.size(); ++i)
       check_wall(scene_.walls[i], fmt::format("wall[{}]", i));
     check_contact();
+    check_gravity();
     check_stages();
     if (scene_.box) check_box(scene_.box->size);
     if (scene_.pile.empty() && scene_.clouds.empty() && scene_.bodies.empty())
@@ -134,6 +135,13 @@ class Checks {
       throw error(given("contact.overlap_limit") ? "contact.overlap_limit" : "contact.max_overlap",
                   "expected max_overlap <= overlap_limit, found {} and {}", show(contact.max_overlap),
                   show(contact.overlap_limit));
+  }
+
+  void check_gravity() const {
+    if (given("gravity.opening_angle") && given("gravity.error"))
+      throw error("gravity.opening_angle", "expected either 'error' or 'opening_angle'");
+    if (given("gravity.order") && !given("gravity.opening_angle"))
+      throw error("gravity.order", "has no effect without opening_angle; 'error' chooses the order");
   }
 
   void check_stages() const {

@@ -96,10 +96,11 @@ struct ContactSpec {
 
 struct GravitySpec {
   GravityMethod method = GravityMethod::tree;
-  double opening_angle = 0.7;  ///< cells meet by expansion when the sum of their radii < this x distance
-  std::int64_t order = 5;      ///< of the expansions
-  std::int64_t interval = 1;   ///< steps between renewals
-  Vec3 field = Vec3::Zero();   ///< m/s^2, uniform external field
+  double error = 1e-3;                  ///< asked of the tree: sqrt(sum |da|^2 / sum |a|^2)
+  std::optional<double> opening_angle;  ///< by hand: cells meet when the sum of their radii < this x distance
+  std::int64_t order = 5;               ///< of the expansions, with opening_angle
+  std::int64_t interval = 1;            ///< steps between renewals
+  Vec3 field = Vec3::Zero();            ///< m/s^2, uniform external field
 };
 
 /// Prescribed spin of the pile about z [Zhang et al. 2021, section 2.3].

@@ -6,6 +6,7 @@
 
 #include "contact/stiffness.h"
 #include "core/error.h"
+#include "gravity/accuracy.h"
 #include "sim/make_walls.h"
 
 namespace cairn {
@@ -155,8 +156,13 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   p.contacts.dt = dt;
 
   p.gravity = scene.gravity.method;
-  p.tree.theta = scene.gravity.opening_angle;
-  p.tree.order = static_cast<int>(scene.gravity.order);
+  if (scene.gravity.opening_angle) {
+    p.tree.theta = *scene.gravity.opening_angle;
+    p.tree.order = static_cast<int>(scene.gravity.order);
+  } else if (p.gravity == GravityMethod::tree) {
+    p.gravity_error = scene.gravity.error;
+    p.tree = gravity::settings_for(scene.gravity.error);
+  }
   p.gravity_interval = static_cast<std::uint64_t>(scene.gravity.interval);
   p.field = scene.gravity.field;
   p.spin = stage.spin;
@@ -213,7 +219,9 @@ std::string describe_models(const Physics& physics, const Bodies& bodies, bool w
   if (box) text += "; periodic box";
   if (physics.strain_rate != Vec3::Zero()) text += ", strained";
   if (physics.gravity == GravityMethod::direct) text += "; direct gravity";
-  if (physics.gravity == GravityMethod::tree)
+  if (physics.gravity_error)
+    text += fmt::format("; tree gravity to {:g}", *physics.gravity_error);
+  else if (physics.gravity == GravityMethod::tree)
     text += fmt::format("; tree gravity, opening {:g}, order {}", physics.tree.theta, physics.tree.order);
   if (physics.gravity != GravityMethod::none && physics.gravity_interval > 1)
     text += fmt::format(", renewed every {} steps", physics.gravity_interval);

@@ -21,8 +21,9 @@ struct Physics {
   std::uint64_t steps = 0;  ///< of the stage
   GravityMethod gravity = GravityMethod::none;
   gravity::FmmSettings tree;
-  std::uint64_t gravity_interval = 1;  ///< steps
-  Vec3 field = Vec3::Zero();           ///< m/s^2
+  std::optional<double> gravity_error;  ///< asked of the tree; absent: opening angle and order by hand
+  std::uint64_t gravity_interval = 1;   ///< steps
+  Vec3 field = Vec3::Zero();            ///< m/s^2
   std::optional<SpinSpec> spin;
   Vec3 strain_rate = Vec3::Zero();  ///< 1/s, of the periodic box
   std::optional<double> packing;    ///< the strain ends there

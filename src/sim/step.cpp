@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/timer.h"
+#include "gravity/accuracy.h"
 #include "gravity/conserve.h"
 #include "motion/drift.h"
 #include "motion/spin.h"
@@ -140,6 +141,23 @@ void attract(const Physics& physics, const Bodies& bodies, const Places& places,
     scratch.tree.evaluate(points, scratch.acceleration, potential);
 }
 
+/// Finds at the start of a stage what the error asked for takes with these bodies.
+void choose_accuracy(const Physics& physics, State& state, Scratch& scratch) {
+  state.gravity.factor = state.gravity.error = 0.0;
+  if (!physics.gravity_error) return;
+  const Places places = places_of(state.bodies, scratch);
+  const gravity::Accuracy found = gravity::choose_accuracy(
+      {places.spheres, state.bodies.spheres.mass, state.bodies.first_sphere}, *physics.gravity_error);
+  state.gravity.factor = found.factor;
+  state.gravity.scale = found.scale;
+  state.gravity.error = found.error;
+}
+
+/// The tree's tolerance follows the field: it is what the last evaluation asks of the next.
+void set_tolerance(const State& state, Scratch& scratch) {
+  scratch.tree.set_tolerance(state.gravity.factor * state.gravity.scale);
+}
+
 /// Forces and torques of self-gravity, evaluated every few steps and turned with the pile between.
 void add_gravity(const Physics& physics, State& state, Scratch& scratch) {
   Bodies& bodies = state.bodies;
@@ -149,6 +167,8 @@ void add_gravity(const Physics& physics, State& state, Scratch& scratch) {
   const Places places = places_of(bodies, scratch);
   if (state.clock.step % physics.gravity_interval == 0) {
     attract(physics, bodies, places, scratch);
+    state.gravity.scale = gravity::rms(scratch.acceleration);
+    set_tolerance(state, scratch);
     gravity::sum_groups(bodies.spheres.position, bodies.spheres.mass, bodies.first_sphere,
                         scratch.acceleration, bodies.position, scratch.force, scratch.torque);
     gravity::renew(state.gravity, places.bodies, bodies.mass, scratch.force, scratch.torque, time,
@@ -188,7 +208,10 @@ void prepare_scratch(const Physics& physics, State& state, Scratch& scratch) {
                              state.box);
   scratch.list_age = 0;
   scratch.everyone.assign(state.bodies.size(), 1);
-  if (physics.gravity == GravityMethod::tree) scratch.tree = gravity::Fmm(physics.tree);
+  if (physics.gravity == GravityMethod::tree) {
+    scratch.tree = gravity::Fmm(physics.tree);
+    set_tolerance(state, scratch);
+  }
 }
 
 void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inherited, State& state,
@@ -213,6 +236,7 @@ void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inher
   rescale(contacts);
   rescale(state.walls.contacts);
   state.contacts = ContactList{};
+  choose_accuracy(physics, state, scratch);
   prepare_scratch(physics, state, scratch);
   state.contacts.restore(contacts);
   for (std::size_t slot = 0; slot < state.contacts.slots(); ++slot)

@@ -143,7 +143,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(Fmm, RefusesWhatIsOutOfBounds) {
   EXPECT_THROW(Fmm({.theta = 1.5}), InputError);
-  EXPECT_THROW(Fmm({.order = 7}), InputError);
+  EXPECT_THROW(Fmm({.order = 8}), InputError);
   EXPECT_THROW(Fmm({.leaf_size = 0}), InputError);
   Cloud cloud = ball(30);
   cloud.x[3].x() = std::numeric_limits<double>::quiet_NaN();

@@ -39,12 +39,12 @@ struct CountingKernel {
   }
 };
 
-void expect_each_pair_once(const Cloud& cloud, double theta, std::size_t leaf_size) {
+void expect_each_pair_once(const Cloud& cloud, double theta, std::size_t leaf_size, double tolerance = 0.0) {
   Tree tree;
   tree.build(cloud.points(), leaf_size);
   std::vector<std::vector<int>> counts(cloud.size());
   const CountingKernel kernel{tree, counts};
-  Walk(tree, theta, kernel).run();
+  Walk(tree, Opening{.theta = theta, .tolerance = tolerance}, kernel).run();
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     ASSERT_EQ(counts[i].size(), cloud.size());
@@ -73,7 +73,8 @@ TEST(Walk, GroupsOfSeveralSizesAmongLooseSpheres) {
     for (std::size_t i = 0; i < size; ++i) members.push_back(300.0 * random.in_ball());
     cloud.add_group(members, 1.0);
   }
-  for (const double theta : {0.5, 1.0}) expect_each_pair_once(cloud, theta, 5);
+  for (const double theta : {0.5, 1.0})
+    for (const double tolerance : {0.0, 1e-7, 1e-5}) expect_each_pair_once(cloud, theta, 5, tolerance);
 }
 
 TEST(Tree, CellsHoldTheirPoints) {

@@ -125,6 +125,8 @@ angular_velocity = [0, 0, 1]
 point = [1, 2, 3]
 [[material]]
 name = "stone"
+[gravity]
+error = 1e-4
 [[stage]]
 name = "fall"
 duration = 1

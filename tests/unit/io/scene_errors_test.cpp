@@ -33,18 +33,23 @@ void expect_errors(const std::string& start, const std::vector<Case>& cases) {
 
 TEST(SceneErrors, UnknownKeys) {
   expect_errors(
-      kGood, {{"[contact]\nstifness = 1",
-               "s.toml:8:1: key 'contact.stifness': unknown key; did you mean 'stiffness'?"},
-              {"[gravity]\ncontact = 1",
-               "s.toml:8:1: key 'gravity.contact': unknown key; expected 'method', 'opening_angle', 'order', "
-               "'interval' or 'field'"},
-              {"[contat]", "s.toml:7:2: key 'contat': unknown key; did you mean 'contact'?"},
-              {"[stage.spin]\npath = [[0, 1]]\ninclude_shde = true",
-               "s.toml:9:1: key 'stage[0].spin.include_shde': unknown key; did you mean 'include_shed'?"},
-              {"[contact]\n  \"a\\nb\\u202E\" = 1\n[gravity]\nx = 1",
-               "s.toml:8:3: key 'contact.a\\nb\\u202E': unknown key; expected 'stiffness', 'time_step', "
-               "'unsafe_time_step', 'steps_per_contact', 'max_overlap', 'overlap_limit', 'damping_mass' or "
-               "'rolling_slip'"}});
+      kGood,
+      {{"[contact]\nstifness = 1",
+        "s.toml:8:1: key 'contact.stifness': unknown key; did you mean 'stiffness'?"},
+       {"[gravity]\ncontact = 1",
+        "s.toml:8:1: key 'gravity.contact': unknown key; expected 'method', 'error', 'opening_angle', "
+        "'order', 'interval' or 'field'"},
+       {"[gravity]\nerror = 1e-4\nopening_angle = 0.5",
+        "s.toml:9:17: key 'gravity.opening_angle': expected either 'error' or 'opening_angle'"},
+       {"[gravity]\norder = 6",
+        "s.toml:8:9: key 'gravity.order': has no effect without opening_angle; 'error' chooses the order"},
+       {"[contat]", "s.toml:7:2: key 'contat': unknown key; did you mean 'contact'?"},
+       {"[stage.spin]\npath = [[0, 1]]\ninclude_shde = true",
+        "s.toml:9:1: key 'stage[0].spin.include_shde': unknown key; did you mean 'include_shed'?"},
+       {"[contact]\n  \"a\\nb\\u202E\" = 1\n[gravity]\nx = 1",
+        "s.toml:8:3: key 'contact.a\\nb\\u202E': unknown key; expected 'stiffness', 'time_step', "
+        "'unsafe_time_step', 'steps_per_contact', 'max_overlap', 'overlap_limit', 'damping_mass' or "
+        "'rolling_slip'"}});
 }
 
 TEST(SceneErrors, WrongTypes) {

@@ -93,6 +93,42 @@ duration = 10
   }
 }
 
+TEST(BeginStage, FindsWhatTheErrorOfGravityTakes) {
+  const RigidShape ball = make_rigid(load_shape("sphere", "."), MassModel::union_volume);
+  for (const char* gravity : {"error = 1e-2", "error = 1e-5", "opening_angle = 0.6\norder = 4"}) {
+    Stage stage(
+        fmt::format("[[body]]\nshape = 'sphere'\ndensity = 1\n[contact]\nstiffness = 1e5\n[gravity]\n{}\n"
+                    "[[stage]]\nname = 's'\nduration = 9\n",
+                    gravity));
+    for (int x = -7; x <= 7; ++x)
+      for (int y = -7; y <= 7; ++y)
+        for (int z = -7; z <= 7; ++z)
+          add_body(stage.state.bodies, ball, 0, 1.0, 2000.0, 0, {.position = 3.0 * Vec3(x, y, z)});
+    stage.begin();
+    std::vector<Vec3> exact(stage.state.bodies.size());
+    const Bodies& bodies = stage.state.bodies;
+    gravity::DirectSum().evaluate({bodies.position, bodies.spheres.mass, bodies.first_sphere}, exact);
+    double difference = 0.0, size = 0.0;
+    for (std::size_t b = 0; b < exact.size(); ++b) {
+      difference += (bodies.force[b] / bodies.mass[b] - exact[b]).squaredNorm();
+      size += exact[b].squaredNorm();
+    }
+    const double error = std::sqrt(difference / size);
+    EXPECT_NEAR(stage.state.gravity.scale, std::sqrt(size / static_cast<double>(exact.size())),
+                1e-2 * stage.state.gravity.scale);
+    if (!stage.physics.gravity_error) {
+      EXPECT_EQ(stage.state.gravity.factor, 0.0);
+      EXPECT_LT(error, 3e-3);
+      continue;
+    }
+    const double asked = *stage.physics.gravity_error;
+    EXPECT_GT(stage.state.gravity.factor, 0.0);
+    EXPECT_LE(stage.state.gravity.error, asked);
+    EXPECT_LE(error, 1.2 * asked);
+    EXPECT_GT(error, 0.1 * asked);
+  }
+}
+
 TEST(Step, SpinIsPrescribedToTheRemnantAtItsInterval) {
   for (const bool include_shed : {false, true}) {
     TwoOnFloor two(fmt::format(R"(
