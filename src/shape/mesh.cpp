@@ -155,12 +155,13 @@ TriangleMesh weld(const TriangleMesh& mesh, double tolerance) {
   return out;
 }
 
-TriangleMesh parse_mesh(std::string_view bytes, const std::string& kind, const std::string& name,
-                        double unit) {
+TriangleMesh parse_mesh(std::string_view bytes, const std::string& kind, const std::string& name, double unit,
+                        unsigned seconds) {
   if (kind != "obj" && kind != "stl" && kind != "ply" && kind != "off")
     throw InputError("{}: not a mesh file that can be read; expected .obj, .stl, .ply or .off", name);
   // Broken files make assimp 5.2 write beyond its memory, hang, or ask for any amount of it.
-  const std::string packed = naming(name, [&] { return run_apart([&] { return import(bytes, kind); }); });
+  const std::string packed =
+      naming(name, [&] { return run_apart([&] { return import(bytes, kind); }, seconds); });
   std::string_view rest = packed;
   const auto vertices = unpack<std::array<float, 3>>(rest);
   TriangleMesh mesh;

@@ -23,9 +23,10 @@ struct TriangleMesh {
 /// @throws InputError "FILE: what is wrong" when the file cannot be read or holds no triangle.
 TriangleMesh load_mesh(const std::filesystem::path& path, double unit);
 
-/// The same from the bytes of a file called `name`; `kind` is "obj", "stl", "ply" or "off".
-TriangleMesh parse_mesh(std::string_view bytes, const std::string& kind, const std::string& name,
-                        double unit);
+/// The same from the bytes of a file called `name`; `kind` is "obj", "stl", "ply" or "off". Files that take
+/// more than `seconds` of computing are refused.
+TriangleMesh parse_mesh(std::string_view bytes, const std::string& kind, const std::string& name, double unit,
+                        unsigned seconds = 60);
 
 /// The same surface with vertices within `tolerance` (m) of each other welded, without triangles that have no
 /// area or repeat another's vertices. Vertices that no triangle uses are left out.

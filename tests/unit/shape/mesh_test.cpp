@@ -96,6 +96,15 @@ TEST(Mesh, WeldingJoinsNearbyVerticesAndDropsTrianglesWithoutArea) {
   EXPECT_EQ(weld(soup, 0.0).vertices.size(), 6u);
 }
 
+TEST(Mesh, AFileThatHangsItsReaderIsRefused) {
+  try {  // assimp 5.2 waits for the end of the header for ever
+    parse_mesh("ply\nformat ascii 1.0\n", "ply", "half.ply", 1.0, 1);
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "half.ply: cannot be read: it takes more than 1 s");
+  }
+}
+
 TEST(Mesh, BadFilesAreRefusedInOneLine) {
   const Folder folder;
   const auto error_of = [&](const std::string& path) -> std::string {
