@@ -30,6 +30,6 @@ printf '3solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nve
 cd "$OLDPWD"
 
 for reader in scene shape mesh; do
-  "$root/build/fuzz/tests/fuzz/fuzz_$reader" -max_total_time="$seconds" -timeout=10 -max_len=20000 -print_final_stats=1 \
+  "$root/build/fuzz/tests/fuzz/fuzz_$reader" -max_total_time="$seconds" -timeout=60 -max_len=20000 -print_final_stats=1 \
     "$corpus/$reader"
 done
