@@ -33,13 +33,14 @@ Drift carry(bool aggregates, const Vec3& axis, std::uint64_t steps) {
   Experiment e(scene_text(
       {.restitution = 0.5, .friction = 1.0, .rolling = 1.0, .twisting = 1.0},
       fmt::format("stiffness = {}", kStiffness), "",
-      body({.shape = shape}) + body({.shape = shape, .position = {2.0 * reach - 1e-3, 0.0, 0.0}})));
+      body({.shape = shape}) + body({.shape = shape, .position = {2.0 * reach - 1e-2, 0.0, 0.0}})));
   e.begin();
   const double dt = e.physics.contacts.dt;
-  // Load all springs to about half of their limits.
+  // Load all springs to about half of their limits. What is left over is rounding of the places over the
+  // length of the springs: at a tenth of this overlap the direction is good to 3e-10.
   for (int k = 0; k < 20; ++k) {
-    lead(e, 0, Vec3::Zero(), 1e-5 / dt * Vec3(1.0, 0.5, 0.2));
-    lead(e, 1, Vec3::Zero(), 1e-5 / dt * Vec3(-2.0, -0.6, 0.1));
+    lead(e, 0, Vec3::Zero(), 1e-4 / dt * Vec3(1.0, 0.5, 0.2));
+    lead(e, 1, Vec3::Zero(), 1e-4 / dt * Vec3(-2.0, -0.6, 0.1));
     e.advance(1);
   }
   lead(e, 0, Vec3::Zero(), Vec3::Zero());
@@ -93,7 +94,7 @@ TEST(Objectivity, RigidRotationChangesNeitherEnergyNorCouple) {
           fmt::format("{}, {}, 1e5 steps of 1e-3 rad", aggregates ? "two dumbbells" : "two spheres", name);
       report::error(what + ": change of the stored energy, relative", "rigid rotation", d.energy, 1e-10);
       report::error(what + ": change of the torque on a body, relative", "rigid rotation", d.couple, 1e-10);
-      report::error(what + ": the same with its direction", "rigid rotation", d.direction, 1e-9);
+      report::error(what + ": the same with its direction", "rigid rotation", d.direction, 1e-10);
     }
 }
 
