@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "gravity/pair_kernel.h"
 
 namespace cairn::gravity {
 
@@ -22,24 +23,20 @@ struct Sample {
 
 Sample take_sample(const Points& all) {
   const std::size_t n = all.size(), stride = std::max<std::size_t>(1, n / kSample);
-  std::vector<std::size_t> group(n);
-  for (std::size_t g = 0; g < all.groups(); ++g)
-    std::fill(group.begin() + all.first[g], group.begin() + all.first[g + 1], g);
   Sample out;
   for (std::size_t i = stride / 2; i < n; i += stride) out.points.push_back(i);
+  PointArrays sources, targets;
+  sources.assign(all);
+  targets.resize(out.points.size());
+  for (std::size_t k = 0; k < out.points.size(); ++k)
+    targets.set(k, all.positions[out.points[k]], 0.0, sources.group[out.points[k]]);
   out.acceleration.resize(out.points.size());
-  parallel_blocks(out.points.size(), 8, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(out.points.size(), kTile, [&](std::size_t begin, std::size_t end) {
+    PairSum sums[kTile]{};
+    attract<false, true>(targets, begin, sources, 0, n, sums);
     for (std::size_t k = begin; k < end; ++k) {
-      const std::size_t i = out.points[k];
-      const Vec3 x = all.positions[i];
-      Vec3 sum = Vec3::Zero();
-      for (std::size_t j = 0; j < n; ++j) {
-        const Vec3 d = all.positions[j] - x;
-        const double square = d.squaredNorm();
-        if (group[j] == group[i] || square < kCoincident * kCoincident) continue;
-        sum += all.masses[j] / (square * std::sqrt(square)) * d;
-      }
-      out.acceleration[k] = kGravitationalConstant * sum;
+      const PairSum& s = sums[k - begin];
+      out.acceleration[k] = kGravitationalConstant * Vec3(sum(s.x), sum(s.y), sum(s.z));
     }
   });
   return out;

@@ -55,12 +55,7 @@ void sum_block(const Points& points, const PointArrays& a, std::size_t begin, st
 
 void DirectSum::evaluate(const Points& points, std::span<Vec3> acceleration, std::span<double> potential) {
   check(points);
-  arrays_.resize(points.size());
-  for (std::size_t g = 0; g < points.groups(); ++g) {
-    for (std::size_t i = points.first[g]; i < points.first[g + 1]; ++i) {
-      arrays_.set(i, points.positions[i], points.masses[i], static_cast<double>(g));
-    }
-  }
+  arrays_.assign(points);
   parallel_blocks(points.size(), kTargets, [&](std::size_t begin, std::size_t end) {
     if (potential.empty()) {
       sum_block<false>(points, arrays_, begin, end, acceleration, potential);

@@ -24,6 +24,12 @@ struct PointArrays {
     for (auto* column : {&x, &y, &z, &mass, &group}) column->resize(padded);
     for (std::size_t i = points; i < padded; ++i) set(i, Vec3::Zero(), 0.0, -1.0);
   }
+  void assign(const Points& points) {
+    resize(points.size());
+    for (std::size_t g = 0; g < points.groups(); ++g)
+      for (std::size_t i = points.first[g]; i < points.first[g + 1]; ++i)
+        set(i, points.positions[i], points.masses[i], static_cast<double>(g));
+  }
   void set(std::size_t i, const Vec3& position, double m, double g) {
     x[i] = position.x();
     y[i] = position.y();

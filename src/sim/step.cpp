@@ -167,8 +167,10 @@ void add_gravity(const Physics& physics, State& state, Scratch& scratch) {
   const Places places = places_of(bodies, scratch);
   if (state.clock.step % physics.gravity_interval == 0) {
     attract(physics, bodies, places, scratch);
-    state.gravity.scale = gravity::rms(scratch.acceleration);
-    set_tolerance(state, scratch);
+    if (physics.gravity == GravityMethod::tree) {
+      state.gravity.scale = gravity::rms(scratch.acceleration);
+      set_tolerance(state, scratch);
+    }
     gravity::sum_groups(bodies.spheres.position, bodies.spheres.mass, bodies.first_sphere,
                         scratch.acceleration, bodies.position, scratch.force, scratch.torque);
     gravity::renew(state.gravity, places.bodies, bodies.mass, scratch.force, scratch.torque, time,

@@ -17,26 +17,6 @@ struct Experiment : Stage {
     state.box = setup.box;
     place_spheres(state.bodies);
   }
-
-  bool touching() const {
-    for (std::size_t slot = 0; slot < state.contacts.slots(); ++slot)
-      if (state.contacts.touching(slot)) return true;
-    return !state.walls.contacts.empty();
-  }
-
-  double kinetic_energy() const {
-    const Bodies& bodies = state.bodies;
-    double energy = 0.0;
-    for (std::size_t b = 0; b < bodies.size(); ++b)
-      energy += 0.5 * bodies.mass[b] * bodies.velocity[b].squaredNorm() +
-                0.5 * bodies.spin[b].dot(angular_velocity(bodies, b));
-    return energy;
-  }
-
-  double spring_energy() const {
-    return stored_energy(state.bodies, physics.contacts, state.contacts) +
-           state.walls.stored_energy(state.bodies, physics.contacts, state.clock.time());
-  }
 };
 
 }  // namespace cairn

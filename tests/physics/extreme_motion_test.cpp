@@ -108,30 +108,23 @@ struct Crystal : Stage {
           if ((x + y + z) % 2 == 0)
             add_body(state.bodies, ball, 0, 1.0, 2000.0, 0, {.position = half * Vec3(x, y, z)});
     begin();
-    at_rest = potential();
+    at_rest = spring_energy();
     scene.contact.time_step = physics.contact_time / steps_per_contact;
     for (Vec3& v : state.bodies.velocity) v = jostle * random.in_ball();
     begin();
   }
-  double potential() const { return stored_energy(state.bodies, physics.contacts, state.contacts); }
-  double kinetic() const {
-    double sum = 0.0;
-    for (std::size_t b = 0; b < state.bodies.size(); ++b)
-      sum += 0.5 * state.bodies.mass[b] * state.bodies.velocity[b].squaredNorm() +
-             0.5 * state.bodies.spin[b].dot(angular_velocity(state.bodies, b));
-    return sum;
-  }
   /// What is neither there nor known to be lost, over the kinetic energy at the start; infinite after the run
   /// has been stopped as unstable.
   double worst_error(double contact_times) {
-    const double start = kinetic();
+    const double start = kinetic_energy();
     const auto steps = static_cast<std::uint64_t>(contact_times * physics.contact_time / physics.contacts.dt);
     double worst = 0.0;
     try {
       for (std::uint64_t k = 0; k < steps; ++k) {
         advance(1);
         worst = std::max(
-            worst, std::abs(kinetic() + potential() - at_rest + state.ledger.dissipated - start) / start);
+            worst,
+            std::abs(kinetic_energy() + spring_energy() - at_rest + state.ledger.dissipated - start) / start);
       }
     } catch (const UnstableError&) {
       return 1e3;

@@ -6,8 +6,8 @@
 #include "analysis/budget.h"
 #include "body/cells.h"
 #include "core/random.h"
-#include "physics/experiment.h"
 #include "physics/report.h"
+#include "physics/scenes.h"
 
 namespace cairn {
 namespace {
@@ -191,10 +191,8 @@ TEST(Frames, BinaryKeepsItsAngularMomentum) {
     for (int k = 0; k < 20; ++k) {
       binary.advance(500);
       const Budget now = budget(binary.state.bodies);
-      drift =
-          std::max(drift, (now.angular_momentum_about_center - before.angular_momentum_about_center).norm() /
-                              before.angular_scale_about_center);
-      linear = std::max(linear, (now.momentum - before.momentum).norm() / before.momentum_scale);
+      drift = std::max(drift, angular_drift(before, now));
+      linear = std::max(linear, momentum_drift(before, now));
     }
     EXPECT_GT(binary.state.ledger.dissipated, 1000.0);
     const std::string what = wide ? "binary 1e9 m wide" : "binary 150 m wide";

@@ -4,7 +4,6 @@
 
 #include <cstdlib>
 
-#include "analysis/budget.h"
 #include "analysis/spin_state.h"
 #include "physics/report.h"
 #include "physics/scenes.h"
@@ -15,6 +14,27 @@ namespace {
 std::uint64_t steps(double shortened, double whole) {
   return static_cast<std::uint64_t>(std::getenv("CAIRN_LONG") ? whole : shortened);
 }
+
+/// Advances by `last` steps and calls look(steps done) at ever longer intervals.
+template <class Look>
+void watch(Experiment& e, std::uint64_t last, Look&& look) {
+  for (std::uint64_t done = 0, next = 1000; done < last; next = std::min(last, next + next / 4)) {
+    e.advance(next - done);
+    done = next;
+    look(static_cast<double>(done));
+  }
+}
+
+/// A curve of drifts, and the greatest of them; a logarithmic plot has no zero.
+struct Drift {
+  report::Curve curve;
+  double worst = 0.0;
+  void add(double steps, double drift) {
+    worst = std::max(worst, drift);
+    curve.x.push_back(steps);
+    curve.y.push_back(std::max(drift, 1e-17));
+  }
+};
 
 TEST(LongRuns, ThreeSpheresThatRestOnEachOther) {
   // They turn about their mass centre, held by their gravity and a little cohesion, every part of the law on.
@@ -36,32 +56,21 @@ TEST(LongRuns, ThreeSpheresThatRestOnEachOther) {
   };
   const Budget before = budget(e.state.bodies);
   const double start = energy(), kinetic = e.kinetic_energy();
-  report::Curve momentum{"angular momentum", {}, {}}, work{"energy over the kinetic one", {}, {}};
+  Drift momentum{{"angular momentum", {}, {}}}, work{{"energy over the kinetic one", {}, {}}};
   const std::uint64_t last = steps(1e6, 1e8);
-  double worst_momentum = 0.0, worst_energy = 0.0;
-  for (std::uint64_t done = 0, next = 1000; done < last; next = std::min(last, next + next / 4)) {
-    e.advance(next - done);
-    done = next;
-    const Budget now = budget(e.state.bodies);
-    const double drift = (now.angular_momentum_about_center - before.angular_momentum_about_center).norm() /
-                         before.angular_scale_about_center;
-    const double gone = std::abs(energy() - start) / kinetic;
-    worst_momentum = std::max(worst_momentum, drift);
-    worst_energy = std::max(worst_energy, gone);
-    momentum.x.push_back(static_cast<double>(done));
-    momentum.y.push_back(std::max(drift, 1e-17));
-    work.x.push_back(static_cast<double>(done));
-    work.y.push_back(std::max(gone, 1e-17));
-  }
+  watch(e, last, [&](double done) {
+    momentum.add(done, angular_drift(before, budget(e.state.bodies)));
+    work.add(done, std::abs(energy() - start) / kinetic);
+  });
   EXPECT_EQ(e.state.contacts.records().size(), 3u);
   report::error(
       fmt::format("three spheres resting on each other for {:.0e} steps ({:.0f} turns): angular momentum, "
                   "relative",
                   static_cast<double>(last), e.state.clock.time() * rate / (2.0 * kPi)),
-      "conserved", worst_momentum, 1e-11);
-  report::error("their energy, over the kinetic energy", "conserved", worst_energy, 1e-6);
+      "conserved", momentum.worst, 1e-11);
+  report::error("their energy, over the kinetic energy", "conserved", work.worst, 1e-6);
   report::plot("three-bodies", "Drift of three spheres that rest on each other.",
-               {"steps", "drift", true, true}, {momentum, work});
+               {"steps", "drift", true, true}, {momentum.curve, work.curve});
   report::note(
       "Contacts at rest neither heat up nor creep: the drift is that of rounding. CAIRN_LONG=1 makes 1e8 "
       "steps.");
@@ -90,28 +99,19 @@ material = 'surface'
   const double dt = e.physics.contacts.dt;
   const Budget before = budget(e.state.bodies);
   const double start = rate();
-  report::Curve period{"spin period", {}, {}}, momentum{"angular momentum", {}, {}};
+  Drift period{{"spin period", {}, {}}}, momentum{{"angular momentum", {}, {}}};
   const std::uint64_t last = steps(2e4, 1e7);
-  double worst = 0.0;
-  for (std::uint64_t done = 0, next = 1000; done < last; next = std::min(last, next + next / 4)) {
-    e.advance(next - done);
-    done = next;
-    const Budget now = budget(e.state.bodies);
-    const double drift = (now.angular_momentum_about_center - before.angular_momentum_about_center).norm() /
-                         before.angular_scale_about_center;
-    worst = std::max(worst, drift);
-    momentum.x.push_back(static_cast<double>(done));
-    momentum.y.push_back(std::max(drift, 1e-17));
-    period.x.push_back(static_cast<double>(done));
-    period.y.push_back(std::max(std::abs(start / rate() - 1.0), 1e-17));
-  }
+  watch(e, last, [&](double done) {
+    momentum.add(done, angular_drift(before, budget(e.state.bodies)));
+    period.add(done, std::abs(start / rate() - 1.0));
+  });
   const std::string run = fmt::format(
       "a pile of 100 bodies for {:.0e} steps ({:.0f} turns of {:.2f} h)", static_cast<double>(last),
       static_cast<double>(last) * dt * start / (2.0 * kPi), 2.0 * kPi / start / 3600.0);
-  report::error(run + ": angular momentum, relative", "conserved", worst, 1e-11);
-  report::error(run + ": spin period, change relative", "a pile at rest", period.y.back(), 1e-5);
+  report::error(run + ": angular momentum, relative", "conserved", momentum.worst, 1e-11);
+  report::error(run + ": spin period, change relative", "a pile at rest", period.curve.y.back(), 1e-5);
   report::plot("pile-spin", "Drift of a settled pile that spins freely.",
-               {"steps", "relative drift", true, true}, {momentum, period});
+               {"steps", "relative drift", true, true}, {momentum.curve, period.curve});
 }
 
 }  // namespace

@@ -1,9 +1,12 @@
 // Scenes of a few bodies as text, and bodies led by hand: what the tests of single contacts share.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <utility>
 
+#include "analysis/budget.h"
 #include "physics/experiment.h"
 
 namespace cairn {
@@ -105,6 +108,24 @@ inline double acceleration_after_tilting(Experiment& e, double g, double angle) 
   const auto steps = static_cast<std::uint64_t>(measuring / dt);
   e.advance(steps);
   return (e.state.bodies.velocity[0].x() - before) / (static_cast<double>(steps) * dt);
+}
+
+/// Runs until bodies that meet have parted again.
+inline void pass_blow(Experiment& e) {
+  for (int k = 0; k < 100000 && !e.touching(); ++k) e.advance(1);
+  ASSERT_TRUE(e.touching());
+  for (int k = 0; k < 100000 && e.touching(); ++k) e.advance(1);
+  ASSERT_FALSE(e.touching());
+}
+
+/// Change of the momentum over the sum of the bodies' magnitudes.
+inline double momentum_drift(const Budget& before, const Budget& after) {
+  return (after.momentum - before.momentum).norm() / before.momentum_scale;
+}
+/// The same of the angular momentum about the mass centre.
+inline double angular_drift(const Budget& before, const Budget& after) {
+  return (after.angular_momentum_about_center - before.angular_momentum_about_center).norm() /
+         before.angular_scale_about_center;
 }
 
 /// Kinetic energy and what the springs hold (J).

@@ -3,7 +3,6 @@
 // resume tests, bit for bit.
 #include <gtest/gtest.h>
 
-#include "analysis/budget.h"
 #include "core/random.h"
 #include "grid_mesh.h"
 #include "physics/report.h"
@@ -16,11 +15,6 @@ constexpr double kSpeed = 0.01;  // m/s
 
 std::string keys() {
   return "stiffness = 1e6";
-}
-
-void pass_blow(Experiment& e) {
-  while (!e.touching() && e.state.clock.step < 100000) e.advance(1);
-  while (e.touching() && e.state.clock.step < 100000) e.advance(1);
 }
 
 /// Drift of momentum or angular momentum over the sum of magnitudes, the larger of both.
