@@ -6,16 +6,22 @@
 
 namespace cairn::gravity {
 
-MassCentre mass_centre(std::span<const Vec3> positions, std::span<const double> masses) {
-  const std::size_t n = positions.size();
-  if (n == 0) return {0.0, Vec3::Zero()};
-  const double mass = parallel_sum(n, 0.0, [&](std::size_t i) { return masses[i]; });
-  // About one of the points, so that a pile far from the origin keeps its digits.
-  const Vec3 origin = positions[0];
-  const Vec3 moment = parallel_sum(n, Vec3(Vec3::Zero()), [&](std::size_t i) -> Vec3 {
-    return (mass > 0.0 ? masses[i] : 1.0) * (positions[i] - origin);
+void sum_groups(std::span<const Vec3> positions, std::span<const double> masses,
+                std::span<const std::uint32_t> first, std::span<const Vec3> acceleration,
+                std::span<const Vec3> centres, Wrenches& out) {
+  const bool points = centres.size() == positions.size();
+  out.force.resize(centres.size());
+  out.torque.resize(points ? 0 : centres.size());
+  parallel_for(centres.size(), [&](std::size_t g) {
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+    for (std::size_t i = first[g]; i < first[g + 1]; ++i) {
+      const Vec3 f = masses[i] * acceleration[i];
+      force += f;
+      torque += (positions[i] - centres[g]).cross(f);
+    }
+    out.force[g] = force;
+    if (!points) out.torque[g] = torque;
   });
-  return {mass, origin + moment / (mass > 0.0 ? mass : static_cast<double>(n))};
 }
 
 Turn turn(const Mat3& inertia, const Vec3& torque, double smallest) {
@@ -25,51 +31,43 @@ Turn turn(const Mat3& inertia, const Vec3& torque, double smallest) {
     const double moment = axes.eigenvalues()[k];
     if (moment <= 0.0 || moment <= smallest * axes.eigenvalues()[2]) continue;
     const Vec3 axis = axes.eigenvectors().col(k);
-    result.acceleration += axis.dot(torque) / moment * axis;
+    result.rotation += axis.dot(torque) / moment * axis;
     result.rest -= axis.dot(torque) * axis;
   }
   return result;
 }
 
-Mat3 inertia(std::span<const Vec3> positions, std::span<const double> masses, const Vec3& centre) {
-  return parallel_sum(positions.size(), Mat3(Mat3::Zero()), [&](std::size_t i) -> Mat3 {
-    const Vec3 d = positions[i] - centre;
-    return masses[i] * (d.squaredNorm() * Mat3::Identity() - d * d.transpose());
-  });
+void NetWrench::add(const Vec3& x, double m, const Vec3& f, const Vec3& t) {
+  const double w = f.squaredNorm() / m;
+  force += f;
+  torque += x.cross(f) + t;
+  mass += m;
+  weight += w;
+  first += w * x;
+  second += w * x * x.transpose();
 }
 
-void remove_net(std::span<const Vec3> positions, std::span<const double> masses,
-                std::span<Vec3> acceleration) {
-  constexpr double kSmallest = 1e-12;  // what rounding makes of the moment of collinear points
-  const std::size_t n = positions.size();
-  const MassCentre all = mass_centre(positions, masses);
-  if (all.mass <= 0.0) return;
-  const Mat3 moments = inertia(positions, masses, all.centre);
-  // The second time takes away what rounding left of a large net force or torque.
-  for (int pass = 0; pass < 2; ++pass) {
-    const Vec3 mean = parallel_sum(n, Vec3(Vec3::Zero()),
-                                   [&](std::size_t i) -> Vec3 { return masses[i] * acceleration[i]; }) /
-                      all.mass;
-    const Vec3 torque = parallel_sum(n, Vec3(Vec3::Zero()), [&](std::size_t i) -> Vec3 {
-      return masses[i] * (positions[i] - all.centre).cross(acceleration[i] - mean);
-    });
-    const Vec3 alpha = turn(moments, torque, kSmallest).acceleration;
-    parallel_for(n, [&](std::size_t i) { acceleration[i] -= mean + alpha.cross(positions[i] - all.centre); });
-  }
+NetWrench& NetWrench::operator+=(const NetWrench& other) {
+  force += other.force;
+  torque += other.torque;
+  mass += other.mass;
+  weight += other.weight;
+  first += other.first;
+  second += other.second;
+  return *this;
 }
 
-void sum_groups(std::span<const Vec3> positions, std::span<const double> masses,
-                std::span<const std::uint32_t> first, std::span<const Vec3> acceleration,
-                std::span<const Vec3> centres, std::span<Vec3> force, std::span<Vec3> torque) {
-  parallel_for(centres.size(), [&](std::size_t g) {
-    force[g].setZero();
-    torque[g].setZero();
-    for (std::size_t i = first[g]; i < first[g + 1]; ++i) {
-      const Vec3 f = masses[i] * acceleration[i];
-      force[g] += f;
-      torque[g] += (positions[i] - centres[g]).cross(f);
-    }
-  });
+Balance::Balance(const NetWrench& net) {
+  // Below this, forces with so short a lever would be large; the groups' own rotation takes the torque.
+  constexpr double kSmallest = 1e-6;
+  const bool felt = net.weight > 0.0;
+  centre = felt ? Vec3(net.first / net.weight) : Vec3(Vec3::Zero());
+  shift = felt ? Vec3(-net.force / net.weight) : Vec3(Vec3::Zero());
+  const Mat3 second = net.second - net.weight * centre * centre.transpose();
+  const Turn t =
+      turn(second.trace() * Mat3::Identity() - second, centre.cross(net.force) - net.torque, kSmallest);
+  rotation = t.rotation;
+  torque = t.rest / net.mass;
 }
 
 }  // namespace cairn::gravity

@@ -1,42 +1,60 @@
 // What makes self-gravity conserve momentum and angular momentum to round-off: the little that a method or a
-// hold leaves of net force and net torque is taken away, as the smallest (mass-weighted) change that does it.
+// forecast leaves of net force and net torque is taken away, by the smallest change relative to what each
+// group feels. Groups far from the others, which feel little, are changed little.
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "core/math.h"
 
 namespace cairn::gravity {
 
-/// Mass (kg) and centre of mass (m) of points; the mean position of massless ones.
-struct MassCentre {
-  double mass;
-  Vec3 centre;
+/// Forces (N) on groups and torques (N m) about their centres of mass; no torques where all groups are
+/// points.
+struct Wrenches {
+  std::vector<Vec3> force, torque;
 };
-MassCentre mass_centre(std::span<const Vec3> positions, std::span<const double> masses);
-
-/// A torque (N m) on point masses as the angular acceleration (rad/s^2) that rigid points would take from it;
-/// the rest is what they cannot take: the part along the line of collinear points, and all of it in one
-/// place.
-struct Turn {
-  Vec3 acceleration, rest;
-};
-
-/// Principal moments below `smallest` times the largest count as none. Inertia (kg m^2) about the mass
-/// centre.
-Turn turn(const Mat3& inertia, const Vec3& torque, double smallest);
-
-/// Inertia (kg m^2) of point masses about `centre`.
-Mat3 inertia(std::span<const Vec3> positions, std::span<const double> masses, const Vec3& centre);
-
-/// Subtracts from accelerations (m/s^2) the translation and the rigid rotation field that leave no net force
-/// and no net torque. Sums run in a fixed order, in parallel.
-void remove_net(std::span<const Vec3> positions, std::span<const double> masses,
-                std::span<Vec3> acceleration);
 
 /// Force (N) on and torque (N m) about `centres` of every group: points [first[g], first[g+1]).
 void sum_groups(std::span<const Vec3> positions, std::span<const double> masses,
                 std::span<const std::uint32_t> first, std::span<const Vec3> acceleration,
-                std::span<const Vec3> centres, std::span<Vec3> force, std::span<Vec3> torque);
+                std::span<const Vec3> centres, Wrenches& out);
+
+/// A torque (N m) on weighted points as the rotation a that weight (a x arm) makes of it; the rest is what
+/// has no lever: the part along the line of collinear points, and all of it in one place.
+struct Turn {
+  Vec3 rotation, rest;
+};
+
+/// `inertia`: of the weights about their centre. Principal moments below `smallest` times the largest count
+/// as none.
+Turn turn(const Mat3& inertia, const Vec3& torque, double smallest);
+
+/// Sums over groups that tell what a balance takes; they are added in a fixed order.
+struct NetWrench {
+  Vec3 force = Vec3::Zero();
+  Vec3 torque = Vec3::Zero();  ///< about the origin
+  double mass = 0.0, weight = 0.0;
+  Vec3 first = Vec3::Zero();   ///< of the weight
+  Mat3 second = Mat3::Zero();  ///< of the weight
+
+  /// One group at x (m, from the origin) with its mass, force and torque. Its weight is |F|^2 / m.
+  void add(const Vec3& x, double m, const Vec3& f, const Vec3& t);
+  NetWrench& operator+=(const NetWrench& other);
+};
+
+/// The change of wrenches that leaves no net force and no net torque: of forces by weight (shift + rotation x
+/// (x - centre)), which is the smallest change relative to |F| / sqrt(m) that does it; what torque they have
+/// no lever for is taken from the groups' own torques, in proportion to mass.
+struct Balance {
+  Vec3 shift, rotation, centre;
+  Vec3 torque;  ///< over mass
+
+  explicit Balance(const NetWrench& net);
+  Vec3 force_on(const Vec3& x, double m, const Vec3& f) const {
+    return f.squaredNorm() / m * (shift + rotation.cross(x - centre));
+  }
+};
 
 }  // namespace cairn::gravity

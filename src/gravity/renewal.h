@@ -1,41 +1,51 @@
-// Gravity held between renewals. Between two evaluations the force and torque on every group turn with the
-// pile and are cleared of net force and net torque at the groups' present places, so that momentum and
-// angular momentum are conserved to round-off at every step however rarely gravity is renewed.
+// Gravity between evaluations. It is kept in a frame that turns with the pile, where it changes slowly: there
+// the force and torque on every group run straight from where they are to a forecast for the next evaluation,
+// made from the last two. They are smooth in time, and second order in the interval. At every step they are
+// turned to space and balanced at the groups' present places, so that momentum and angular momentum are
+// conserved to round-off however rarely gravity is evaluated.
 #pragma once
 
-#include <span>
-#include <vector>
+#include <functional>
 
-#include "core/math.h"
+#include "gravity/conserve.h"
 
 namespace cairn::gravity {
 
-/// The last evaluation; persistent state, part of a checkpoint.
+/// What is known of gravity between evaluations; persistent state, part of a checkpoint.
 struct HeldGravity {
-  std::vector<Vec3> force;    ///< on each group at `time`, N
-  std::vector<Vec3> torque;   ///< about each group's centre of mass at `time`, N m
-  double time = 0.0;          ///< of the evaluation, s
-  Vec3 omega = Vec3::Zero();  ///< angular velocity of the pile at `time`, rad/s
-  double scale = 0.0;         ///< rms acceleration of the spheres then, m/s^2
+  Wrenches from;                     ///< at `time`, in the pile's frame
+  Wrenches to;                       ///< forecast for the next evaluation; empty: `from` is held
+  Wrenches evaluated;                ///< at `time`, from which forecasts are made; empty: none are
+  double time = 0.0;                 ///< of the evaluation, s
+  double interval = 0.0;             ///< from then to the next, s
+  std::uint64_t steps = 0;           ///< the same in steps; 0: there has been no evaluation
+  std::uint64_t due = 0;             ///< step of the stage of the next evaluation
+  Quat attitude = Quat::Identity();  ///< pile's frame -> space, at `time`
+  Vec3 omega = Vec3::Zero();         ///< angular velocity of the pile at `time`, rad/s
+  double miss = 0.0;    ///< of the last forecast: |forecast - evaluation| / |evaluation|, rms by mass
+  double scale = 0.0;   ///< rms acceleration of the spheres at `time`, m/s^2
   double factor = 0.0;  ///< tolerance of the tree's interactions over `scale`; 0: by opening angle alone
   double error = 0.0;   ///< of the field, measured when the factor was chosen; 0: not measured
 };
 
-/// Clears forces (N) and torques (N m) on groups of their net force and of their net torque about the mass
-/// centre, sum (X - X_cm) x F + T: by a translation and a rigid rotation field of the group centres, and,
-/// along axes about which the centres have next to no inertia (one group; groups on a line), by torques in
-/// proportion to mass.
-void remove_net_wrench(std::span<const Vec3> group_positions, std::span<const double> group_masses,
-                       std::span<Vec3> force, std::span<Vec3> torque);
+/// Attitude of the pile's frame at `time` (s).
+Quat attitude_at(const HeldGravity& held, double time);
 
-/// Takes over an evaluation, cleared of its net force and net torque.
-void renew(HeldGravity& held, std::span<const Vec3> group_positions, std::span<const double> group_masses,
-           std::span<const Vec3> force, std::span<const Vec3> torque, double time, const Vec3& omega);
+/// Takes over an evaluation at `time` (s), in the pile's frame as it is then, while the pile turns by `omega`
+/// (rad/s). `steps` is asked, after the miss is known, how many steps of `dt` (s) the next interval has.
+/// Where a forecast has ended an interval of several steps, it goes on from there; else the evaluation counts
+/// at once. Without `forecasts` nothing is kept for them.
+void renew(HeldGravity& held, const Wrenches& now, std::span<const double> masses, double time,
+           const Vec3& omega, double dt, bool forecasts, const std::function<std::uint64_t()>& steps);
 
-/// Force (N) and torque (N m) on the groups at `time` (s) and at their present positions (m): the held ones
-/// turned by exp(omega (time - held.time)) and cleared of their net. At the time of the evaluation it returns
-/// that.
-void extrapolate(const HeldGravity& held, double time, std::span<const Vec3> group_positions,
-                 std::span<const double> group_masses, std::span<Vec3> force, std::span<Vec3> torque);
+/// Wrenches on the groups at `time` (s) and at their present positions (m), in space, balanced.
+void extrapolate(const HeldGravity& held, double time, std::span<const Vec3> positions,
+                 std::span<const double> masses, std::span<Vec3> force, std::span<Vec3> torque);
+
+/// Steps of `dt` (s) to the next evaluation for the error asked for. The interval grows by at most twice, at
+/// most to sqrt(error) times `shortest` (s, of the times in which the field can change), since a forecast
+/// errs in second order; and it shrinks when the last forecast has missed by more than evaluations of that
+/// error differ.
+std::uint64_t automatic_steps(const HeldGravity& held, double error, double shortest, double dt);
 
 }  // namespace cairn::gravity

@@ -21,7 +21,7 @@ struct Field {
   std::variant<std::vector<double>*, std::vector<float>*, std::vector<Vec3>*, std::vector<Vec3f>*,
                std::vector<Quat>*, std::vector<std::uint32_t>*, std::vector<std::uint16_t>*,
                std::vector<std::uint8_t>*, std::vector<std::string>*, double*, std::uint64_t*, std::int64_t*,
-               bool*, Vec3*, std::string*>
+               bool*, Vec3*, Quat*, std::string*>
       data;
   std::string axis = {};  ///< what a row is, "sphere"; fields of one axis in one table have equally many rows
 };

@@ -1,6 +1,7 @@
 #include "io/options.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "core/suggest.h"
@@ -129,6 +130,23 @@ std::size_t read_choice(const Value& value, const std::vector<std::string>& name
   const std::string near = nearest_name(word, names);
   value.fail(fmt::format("expected {}, found '{}'{}", alternatives(names), printable(word),
                          near.empty() ? "" : fmt::format("; did you mean '{}'?", near)));
+}
+
+Interval read_interval(const Value& value, const Bounds& bounds) {
+  constexpr const char* kExpected = "'auto', an integer number of steps, or seconds such as '5 s'";
+  if (value.node.is_integer())
+    return {Interval::Unit::steps, static_cast<double>(read_integer(value, bounds))};
+  if (!value.node.is_string()) fail_kind(value, kExpected);
+  const std::string& text = value.node.as_string()->get();
+  if (text == "auto") return {};
+  double seconds = 0.0;
+  const char* end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, seconds);
+  if (error != std::errc() || std::string_view(rest, end) != " s")
+    value.fail(fmt::format("expected {}, found '{}'", kExpected, printable(text)));
+  if (!bounds.hold(seconds))
+    value.fail(fmt::format("expected {} in s, found {}", bounds.text(), show(seconds)));
+  return {Interval::Unit::seconds, seconds};
 }
 
 std::vector<double> read_numbers(const Value& value, std::size_t count, const std::string& unit,

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/math.h"
+#include "io/interval.h"
 #include "io/source.h"
 
 namespace cairn {
@@ -89,6 +90,8 @@ std::int64_t read_integer(const Value& value, const Bounds& bounds);
 bool read_flag(const Value& value);
 std::string read_text(const Value& value, const Bounds& length);
 std::size_t read_choice(const Value& value, const std::vector<std::string>& names);
+/// "auto", a number of steps, or a time such as "5 s".
+Interval read_interval(const Value& value, const Bounds& bounds);
 std::vector<double> read_numbers(const Value& value, std::size_t count, const std::string& unit,
                                  const Bounds& bounds);
 /// Calls visit(element) for each element of an array, in order.
@@ -113,6 +116,7 @@ std::string show(bool value);
 std::string show(const std::string& value);
 std::string show(const Vec3& value);
 std::string show(const Quat& value);
+std::string show(const Interval& value);
 template <std::integral I>
 std::string show(I value) {
   return fmt::format("{}", value);
@@ -192,6 +196,14 @@ Key<T> choice(std::string name, E T::*member, std::vector<std::pair<std::string,
   }
   info.bounds = alternatives(names);
   return make_key(info, member, [=](const Value& value) { return words[read_choice(value, names)].second; });
+}
+
+/// How often: by itself, in steps, or in seconds; both numbers within `bounds`.
+template <class T>
+Key<T> interval(std::string name, Interval T::*member, Bounds bounds, std::string help) {
+  KeyInfo info{.name = name, .type = "\"auto\", steps or \"... s\"", .bounds = bounds.text(), .help = help};
+  info.fallback = show(T{}.*member);
+  return make_key(info, member, [=](const Value& value) { return read_interval(value, bounds); });
 }
 
 /// An array of pairs of numbers, [[a, b], ...].

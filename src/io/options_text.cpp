@@ -84,6 +84,12 @@ std::string show(const Vec3& value) {
   return fmt::format("[{}, {}, {}]", show(value.x()), show(value.y()), show(value.z()));
 }
 
+std::string show(const Interval& value) {
+  if (value.unit == Interval::Unit::automatic) return show(std::string("auto"));
+  if (value.unit == Interval::Unit::steps) return fmt::format("{:.0f}", value.value);
+  return show(fmt::format("{} s", value.value));
+}
+
 std::string show(const Quat& value) {
   return fmt::format("[{}, {}, {}, {}]", show(value.w()), show(value.x()), show(value.y()), show(value.z()));
 }

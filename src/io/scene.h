@@ -10,6 +10,7 @@
 #include "body/cells.h"
 #include "contact/law/material.h"
 #include "core/math.h"
+#include "io/interval.h"
 #include "io/source.h"
 #include "motion/spin.h"
 #include "shape/shape.h"
@@ -99,7 +100,7 @@ struct GravitySpec {
   double error = 1e-3;                  ///< asked of the tree: sqrt(sum |da|^2 / sum |a|^2)
   std::optional<double> opening_angle;  ///< by hand: cells meet when the sum of their radii < this x distance
   std::int64_t order = 5;               ///< of the expansions, with opening_angle
-  std::int64_t interval = 1;            ///< steps between renewals
+  Interval interval;                    ///< between evaluations
   Vec3 field = Vec3::Zero();            ///< m/s^2, uniform external field
 };
 

@@ -144,7 +144,8 @@ const Keys<GravitySpec> kGravityKeys = {
            "of the tree, by hand instead of 'error'; smaller is more accurate"),
     integer("order", &GravitySpec::order, "", within(4, 7),
             "of the tree's expansions, with opening_angle; higher is more accurate"),
-    integer("interval", &GravitySpec::interval, "steps", within(1, 1'000'000), "time steps between renewals"),
+    interval("interval", &GravitySpec::interval, above(0, 1e6),
+             "between evaluations: as rarely as 'error' allows, in time steps, or in seconds"),
     vector("field", &GravitySpec::field, "m/s^2", magnitude(1e12), "uniform external field"),
 };
 

@@ -127,7 +127,7 @@ Observation observe(const Physics& physics, State& state, Scratch& scratch, doub
   const Budget total = budget(bodies);
   o.kinetic = total.translational_energy;
   o.rotational = total.rotational_energy;
-  o.gravitational = gravitational_energy(physics, bodies, scratch);
+  o.gravitational = gravitational_energy(physics, state, scratch);
   o.elastic = stored_energy(bodies, physics.contacts, state.contacts) +
               state.walls.stored_energy(bodies, physics.contacts, o.time);
   for (std::size_t b = 0; b < bodies.size(); ++b)

@@ -163,7 +163,15 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
     p.gravity_error = scene.gravity.error;
     p.tree = gravity::settings_for(scene.gravity.error);
   }
-  p.gravity_interval = static_cast<std::uint64_t>(scene.gravity.interval);
+  const Interval& interval = scene.gravity.interval;
+  p.gravity_steps = interval.unit == Interval::Unit::automatic ? 0
+                    : interval.unit == Interval::Unit::steps   ? static_cast<std::uint64_t>(interval.value)
+                                                               : whole_steps(interval.value, dt);
+  p.error = scene.gravity.error;
+  double density = 0.0;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    density = std::max(density, bodies.mass[b] / bodies.volume[b]);
+  p.fall_time = 1.0 / std::sqrt(4.0 / 3.0 * kPi * kGravitationalConstant * density);
   p.field = scene.gravity.field;
   p.spin = stage.spin;
   p.strain_rate = stage.strain_rate;
@@ -223,8 +231,9 @@ std::string describe_models(const Physics& physics, const Bodies& bodies, bool w
     text += fmt::format("; tree gravity to {:g}", *physics.gravity_error);
   else if (physics.gravity == GravityMethod::tree)
     text += fmt::format("; tree gravity, opening {:g}, order {}", physics.tree.theta, physics.tree.order);
-  if (physics.gravity != GravityMethod::none && physics.gravity_interval > 1)
-    text += fmt::format(", renewed every {} steps", physics.gravity_interval);
+  if (physics.gravity != GravityMethod::none && physics.gravity_steps != 1)
+    text += physics.gravity_steps == 0 ? ", evaluated when needed"
+                                       : fmt::format(", evaluated every {} steps", physics.gravity_steps);
   if (physics.field != Vec3::Zero()) text += "; uniform field";
   if (physics.spin) text += "; spin control";
   return text;

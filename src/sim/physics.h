@@ -22,7 +22,9 @@ struct Physics {
   GravityMethod gravity = GravityMethod::none;
   gravity::FmmSettings tree;
   std::optional<double> gravity_error;  ///< asked of the tree; absent: opening angle and order by hand
-  std::uint64_t gravity_interval = 1;   ///< steps
+  std::uint64_t gravity_steps = 1;      ///< between evaluations; 0: as few as `error` needs
+  double error = 0.0;                   ///< of the field, asked for
+  double fall_time = 0.0;               ///< s, 1/sqrt(4 pi G rho / 3) of the densest body
   Vec3 field = Vec3::Zero();            ///< m/s^2
   std::optional<SpinSpec> spin;
   Vec3 strain_rate = Vec3::Zero();  ///< 1/s, of the periodic box

@@ -33,9 +33,14 @@ void check_checkpoint(const std::filesystem::path& path, const Scene& scene, con
       (cells != 0 && cells != n))
     fail("as many poses as bodies expected");
   if (state.clock.stage >= scene.stages.size()) fail("its stage is not in the scene");
-  const std::size_t held = state.gravity.force.size();
-  if ((held != 0 && held != n) || state.gravity.torque.size() != held)
-    fail("as many held forces as bodies expected");
+  for (const gravity::Wrenches* w : {&state.gravity.from, &state.gravity.to, &state.gravity.evaluated})
+    for (const std::size_t rows : {w->force.size(), w->torque.size()})
+      if (rows != 0 && rows != n) fail("as many forces of gravity as bodies expected");
+  if (state.gravity.from.force.empty() != (state.gravity.steps == 0) ||
+      state.gravity.to.force.size() != state.gravity.evaluated.force.size() ||
+      state.gravity.to.torque.size() != state.gravity.evaluated.torque.size() ||
+      (!state.gravity.to.force.empty() && state.gravity.to.torque.size() != state.gravity.from.torque.size()))
+    fail("forces of gravity do not belong together");
   for (std::uint16_t m : state.bodies.material)
     if (m >= scene.materials.size()) fail("a body's material is not in the scene");
 }

@@ -21,20 +21,6 @@ double& time_of(Scratch& scratch, Phase phase) {
   return scratch.times[static_cast<std::size_t>(phase)];
 }
 
-/// Places from the zero of the frame: the bodies' own positions where one cell holds all.
-struct Places {
-  std::span<const Vec3> bodies, spheres;
-};
-Places places_of(const Bodies& bodies, Scratch& scratch) {
-  if (bodies.cell.empty()) return {bodies.position, bodies.spheres.position};
-  scratch.body_places.resize(bodies.size());
-  scratch.sphere_places.resize(bodies.spheres.size());
-  parallel_for(bodies.size(), [&](std::size_t b) { scratch.body_places[b] = place(bodies, b); });
-  parallel_for(bodies.spheres.size(),
-               [&](std::size_t s) { scratch.sphere_places[s] = sphere_place(bodies, s); });
-  return {scratch.body_places, scratch.sphere_places};
-}
-
 /// The rigid motion that carries the bodies' total momentum and angular momentum; images cannot turn.
 RigidMotion rigid_motion(const State& state) {
   const SpinState whole = spin_state(state.bodies, all_bodies(state.bodies));
@@ -110,8 +96,6 @@ void check_overlap(const Physics& physics, const State& state, double pairs, con
 void evaluate_contacts(const Physics& physics, const SweepSettings& settings, State& state,
                        Scratch& scratch) {
   const SweepReport pairs = sweep(state.bodies, scratch.motions, settings, state.contacts);
-  std::fill(state.bodies.force.begin(), state.bodies.force.end(), Vec3::Zero());
-  std::fill(state.bodies.torque.begin(), state.bodies.torque.end(), Vec3::Zero());
   gather_wrenches(state.contacts, state.bodies);
   apply_partial_kicks(state.contacts, state.bodies);
   WallReport walls;
@@ -130,11 +114,26 @@ void evaluate_contacts(const Physics& physics, const SweepSettings& settings, St
   check_overlap(physics, state, pairs.overlap_ratio, walls);
 }
 
-/// Accelerations of all spheres by the method of the stage, and potentials when asked for.
-void attract(const Physics& physics, const Bodies& bodies, const Places& places, Scratch& scratch,
+/// Places from the pile's centre of mass in a frame turned with it. There a pile at rest in itself looks the
+/// same at every evaluation, and so does what the tree makes of it.
+void place_in_pile(const Bodies& bodies, const Vec3& centre, const Quat& attitude, Scratch& scratch) {
+  const Mat3 back = attitude.conjugate().toRotationMatrix();
+  scratch.body_places.resize(bodies.size());
+  scratch.sphere_places.resize(bodies.spheres.size());
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    scratch.body_places[b] = back * place(bodies, b, centre);
+    for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s)
+      scratch.sphere_places[s] =
+          scratch.body_places[b] + back * (bodies.spheres.position[s] - bodies.position[b]);
+  });
+}
+
+/// Accelerations of all spheres at their places in the pile by the method of the stage, and potentials when
+/// asked for.
+void attract(const Physics& physics, const Bodies& bodies, Scratch& scratch,
              std::span<double> potential = {}) {
   scratch.acceleration.resize(bodies.spheres.size());
-  const gravity::Points points{places.spheres, bodies.spheres.mass, bodies.first_sphere};
+  const gravity::Points points{scratch.sphere_places, bodies.spheres.mass, bodies.first_sphere};
   if (physics.gravity == GravityMethod::direct)
     scratch.direct.evaluate(points, scratch.acceleration, potential);
   else
@@ -143,11 +142,10 @@ void attract(const Physics& physics, const Bodies& bodies, const Places& places,
 
 /// Finds at the start of a stage what the error asked for takes with these bodies.
 void choose_accuracy(const Physics& physics, State& state, Scratch& scratch) {
-  state.gravity.factor = state.gravity.error = 0.0;
   if (!physics.gravity_error) return;
-  const Places places = places_of(state.bodies, scratch);
+  place_in_pile(state.bodies, rigid_motion(state).center, Quat::Identity(), scratch);
   const gravity::Accuracy found = gravity::choose_accuracy(
-      {places.spheres, state.bodies.spheres.mass, state.bodies.first_sphere}, *physics.gravity_error);
+      {scratch.sphere_places, state.bodies.spheres.mass, state.bodies.first_sphere}, *physics.gravity_error);
   state.gravity.factor = found.factor;
   state.gravity.scale = found.scale;
   state.gravity.error = found.error;
@@ -158,36 +156,69 @@ void set_tolerance(const State& state, Scratch& scratch) {
   scratch.tree.set_tolerance(state.gravity.factor * state.gravity.scale);
 }
 
-/// Forces and torques of self-gravity, evaluated every few steps and turned with the pile between.
-void add_gravity(const Physics& physics, State& state, Scratch& scratch) {
-  Bodies& bodies = state.bodies;
-  const double time = state.clock.time();
-  scratch.force.resize(bodies.size());
-  scratch.torque.resize(bodies.size());
-  const Places places = places_of(bodies, scratch);
-  if (state.clock.step % physics.gravity_interval == 0) {
-    attract(physics, bodies, places, scratch);
-    if (physics.gravity == GravityMethod::tree) {
-      state.gravity.scale = gravity::rms(scratch.acceleration);
-      set_tolerance(state, scratch);
+/// The shortest time (s) in which the field can change on some body: that in which a body crosses the pile,
+/// apart from its rigid motion, or a grain's own density would turn two grains about each other.
+double shortest_change(const Physics& physics, const Bodies& bodies, const RigidMotion& pile) {
+  struct Most {
+    double value = 0.0;
+    Most& operator+=(const Most& other) {
+      value = std::max(value, other.value);
+      return *this;
     }
-    gravity::sum_groups(bodies.spheres.position, bodies.spheres.mass, bodies.first_sphere,
-                        scratch.acceleration, bodies.position, scratch.force, scratch.torque);
-    gravity::renew(state.gravity, places.bodies, bodies.mass, scratch.force, scratch.torque, time,
-                   rigid_motion(state).spin);
-  }
-  gravity::extrapolate(state.gravity, time, places.bodies, bodies.mass, scratch.force, scratch.torque);
-  parallel_for(bodies.size(), [&](std::size_t b) {
-    bodies.force[b] += scratch.force[b];
-    bodies.torque[b] += scratch.torque[b];
+  };
+  const double mass = parallel_sum(bodies.size(), 0.0, [&](std::size_t b) { return bodies.mass[b]; });
+  const double radius2 = parallel_sum(bodies.size(), 0.0,
+                                      [&](std::size_t b) {
+                                        return bodies.mass[b] * place(bodies, b, pile.center).squaredNorm();
+                                      }) /
+                         mass;
+  const Most rate2 = parallel_sum(bodies.size(), Most{}, [&](std::size_t b) {
+    const Vec3 x = place(bodies, b, pile.center), v = bodies.velocity[b] - pile.velocity - pile.spin.cross(x);
+    const double size2 = std::max(x.squaredNorm(), radius2);
+    return Most{size2 > 0.0 ? v.squaredNorm() / size2 : 0.0};
   });
+  return std::min(physics.fall_time, 1.0 / std::sqrt(rate2.value));
 }
 
-void add_fields(const Physics& physics, State& state, Scratch& scratch) {
-  if (physics.gravity != GravityMethod::none) add_gravity(physics, state, scratch);
+/// Evaluates self-gravity anew.
+void renew_gravity(const Physics& physics, State& state, Scratch& scratch) {
+  const Bodies& bodies = state.bodies;
+  gravity::HeldGravity& held = state.gravity;
+  const double time = state.clock.time(), dt = physics.contacts.dt;
+  const RigidMotion pile = rigid_motion(state);
+  place_in_pile(bodies, pile.center, gravity::attitude_at(held, time), scratch);
+  attract(physics, bodies, scratch);
+  if (physics.gravity == GravityMethod::tree) {
+    held.scale = gravity::rms(scratch.acceleration);
+    set_tolerance(state, scratch);
+  }
+  gravity::sum_groups(scratch.sphere_places, bodies.spheres.mass, bodies.first_sphere, scratch.acceleration,
+                      scratch.body_places, scratch.wrenches);
+  gravity::renew(held, scratch.wrenches, bodies.mass, time, pile.spin, dt, physics.gravity_steps != 1, [&] {
+    if (physics.gravity_steps > 0) return physics.gravity_steps;
+    return gravity::automatic_steps(held, physics.error, shortest_change(physics, bodies, pile), dt);
+  });
+  held.due = state.clock.step + held.steps;
+}
+
+/// Sets the bodies' wrenches to those of self-gravity and the field; contacts are added to them.
+void begin_wrenches(const Physics& physics, State& state, Scratch& scratch) {
+  Bodies& bodies = state.bodies;
+  if (physics.gravity == GravityMethod::none) {
+    std::fill(bodies.force.begin(), bodies.force.end(), Vec3::Zero());
+    std::fill(bodies.torque.begin(), bodies.torque.end(), Vec3::Zero());
+  } else {
+    if (state.clock.step == state.gravity.due) renew_gravity(physics, state, scratch);
+    std::span<const Vec3> places = bodies.position;
+    if (!bodies.cell.empty()) {
+      scratch.body_places.resize(bodies.size());
+      parallel_for(bodies.size(), [&](std::size_t b) { scratch.body_places[b] = place(bodies, b); });
+      places = scratch.body_places;
+    }
+    gravity::extrapolate(state.gravity, state.clock.time(), places, bodies.mass, bodies.force, bodies.torque);
+  }
   if (physics.field != Vec3::Zero())
-    parallel_for(state.bodies.size(),
-                 [&](std::size_t b) { state.bodies.force[b] += state.bodies.mass[b] * physics.field; });
+    parallel_for(bodies.size(), [&](std::size_t b) { bodies.force[b] += bodies.mass[b] * physics.field; });
 }
 
 void control_spin(const Physics& physics, State& state, Scratch& scratch) {
@@ -238,6 +269,8 @@ void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inher
   rescale(contacts);
   rescale(state.walls.contacts);
   state.contacts = ContactList{};
+  state.gravity = gravity::HeldGravity{};
+  state.gravity.time = state.clock.time();
   choose_accuracy(physics, state, scratch);
   prepare_scratch(physics, state, scratch);
   state.contacts.restore(contacts);
@@ -252,8 +285,8 @@ void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inher
   scratch.spin_mid.resize(bodies.size());
   parallel_for(bodies.size(), [&](std::size_t b) { scratch.spin_mid[b] = angular_velocity(bodies, b); });
   compute_motions(bodies, scratch.spin_mid, 0.0, scratch.motions, state.box.rate);
+  begin_wrenches(physics, state, scratch);
   evaluate_contacts(physics, still, state, scratch);
-  add_fields(physics, state, scratch);
 }
 
 void step(const Physics& physics, State& state, Scratch& scratch) {
@@ -286,11 +319,14 @@ void step(const Physics& physics, State& state, Scratch& scratch) {
   {
     ScopedTimer timer(time_of(scratch, Phase::contacts));
     compute_motions(bodies, scratch.spin_mid, dt, scratch.motions, state.box.rate);
-    evaluate_contacts(physics, physics.contacts, state, scratch);
   }
   {
     ScopedTimer timer(time_of(scratch, Phase::gravity));
-    add_fields(physics, state, scratch);
+    begin_wrenches(physics, state, scratch);
+  }
+  {
+    ScopedTimer timer(time_of(scratch, Phase::contacts));
+    evaluate_contacts(physics, physics.contacts, state, scratch);
   }
   {
     ScopedTimer timer(time_of(scratch, Phase::motion));
@@ -302,11 +338,14 @@ void step(const Physics& physics, State& state, Scratch& scratch) {
   }
 }
 
-double gravitational_energy(const Physics& physics, const Bodies& bodies, Scratch& scratch) {
+double gravitational_energy(const Physics& physics, const State& state, Scratch& scratch) {
   if (physics.gravity == GravityMethod::none) return 0.0;
+  const Bodies& bodies = state.bodies;
   const std::size_t n = bodies.spheres.size();
   std::vector<double> potential(n);
-  attract(physics, bodies, places_of(bodies, scratch), scratch, potential);
+  place_in_pile(bodies, rigid_motion(state).center, gravity::attitude_at(state.gravity, state.clock.time()),
+                scratch);
+  attract(physics, bodies, scratch, potential);
   return 0.5 * parallel_sum(n, 0.0, [&](std::size_t s) { return bodies.spheres.mass[s] * potential[s]; });
 }
 

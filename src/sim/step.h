@@ -1,4 +1,4 @@
-// One step: kick, drift, neighbours, contacts, gravity, kick, control.
+// One step: kick, drift, neighbours, gravity, contacts, kick, control.
 #pragma once
 
 #include <array>
@@ -29,8 +29,9 @@ struct Scratch {
   std::vector<std::uint8_t> everyone;  ///< marks all bodies
   gravity::DirectSum direct;
   gravity::Fmm tree;
-  std::vector<Vec3> acceleration, force, torque;  ///< of gravity
-  std::vector<Vec3> body_places, sphere_places;   ///< for gravity, of bodies in several cells
+  std::vector<Vec3> acceleration;                ///< of gravity, on spheres
+  gravity::Wrenches wrenches;                    ///< of gravity, on bodies
+  std::vector<Vec3> body_places, sphere_places;  ///< for gravity
   PhaseTimes times{};
 };
 
@@ -50,6 +51,6 @@ void prepare_scratch(const Physics& physics, State& state, Scratch& scratch);
 void step(const Physics& physics, State& state, Scratch& scratch);
 
 /// Gravitational energy of the spheres of different bodies (J), by the method of the stage.
-double gravitational_energy(const Physics& physics, const Bodies& bodies, Scratch& scratch);
+double gravitational_energy(const Physics& physics, const State& state, Scratch& scratch);
 
 }  // namespace cairn

@@ -54,7 +54,7 @@ TEST_F(Resume, AFinishedRunIsRefusedAndUntouched) {
   EXPECT_GT(snapshots, 45);
   for (const char* path :
        {"/series/dissipated_work", "/checkpoint/contacts/slide", "/checkpoint/contacts/roll",
-        "/checkpoint/contacts/twist", "/checkpoint/gravity/force", "@title", "/series/time@unit"})
+        "/checkpoint/contacts/twist", "/checkpoint/gravity/to/force", "@title", "/series/time@unit"})
     EXPECT_TRUE(whole_.contains(path)) << path;
   const std::string& twist = whole_["/checkpoint/contacts/twist"];
   EXPECT_GT(twist.size(), 10 * sizeof(double));  // there are contacts to lose

@@ -44,7 +44,7 @@ max_overlap = 0.04
 steps_per_contact = 20
 
 [gravity]
-interval = 7
+interval = "auto"
 
 [[stage]]
 name = "collapse"

@@ -51,7 +51,7 @@ TEST(LongRuns, ThreeSpheresThatRestOnEachOther) {
   e.begin();
   e.advance(20000);  // the springs come to rest
   const auto energy = [&] {
-    return mechanical_energy(e) + gravitational_energy(e.physics, e.state.bodies, e.scratch) +
+    return mechanical_energy(e) + gravitational_energy(e.physics, e.state, e.scratch) +
            e.state.ledger.dissipated;
   };
   const Budget before = budget(e.state.bodies);

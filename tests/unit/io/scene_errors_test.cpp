@@ -62,7 +62,9 @@ TEST(SceneErrors, WrongTypes) {
        {"[contact]\nunsafe_time_step = 1",
         "s.toml:8:20: key 'contact.unsafe_time_step': expected true or false, found an integer"},
        {"[gravity]\ninterval = 2.0",
-        "s.toml:8:12: key 'gravity.interval': expected an integer, found a floating-point number"},
+        "s.toml:8:12: key 'gravity.interval': expected 'auto', an integer number of steps, or seconds such "
+        "as "
+        "'5 s', found a floating-point number"},
        {"[gravity]\nmethod = 1979-05-27",
         "s.toml:8:10: key 'gravity.method': expected 'none', 'direct' or 'tree', found a date or time"},
        {"[gravity]\nfield = 9.81",
@@ -95,7 +97,7 @@ TEST(SceneErrors, OutOfBounds) {
         "s.toml:8:13: key 'contact.time_step': expected a finite number in s, found nan"},
        {"[gravity]\nfield = [0, -inf, 0]",
         "s.toml:8:13: key 'gravity.field[1]': expected a finite number in m/s^2, found -inf"},
-       {"[gravity]\ninterval = 0", "s.toml:8:12: key 'gravity.interval': expected 1 <= x <= 1e6, found 0"},
+       {"[gravity]\ninterval = 0", "s.toml:8:12: key 'gravity.interval': expected 0 < x <= 1e6, found 0"},
        {"[gravity]\nmethod = 'tre'",
         "s.toml:8:10: key 'gravity.method': expected 'none', 'direct' or 'tree', found 'tre'; did you mean "
         "'tree'?"},

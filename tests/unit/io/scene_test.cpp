@@ -69,7 +69,8 @@ TEST(Scene, MaterialsContactAndGravityArrive) {
   EXPECT_EQ(scene.gravity.method, GravityMethod::direct);
   EXPECT_EQ(scene.gravity.opening_angle, 0.6);
   EXPECT_EQ(scene.gravity.order, 6);
-  EXPECT_EQ(scene.gravity.interval, 10);
+  EXPECT_EQ(scene.gravity.interval.unit, Interval::Unit::steps);
+  EXPECT_EQ(scene.gravity.interval.value, 10.0);
   EXPECT_EQ(scene.gravity.field, Vec3(0, 0, -9.81));
 }
 
@@ -162,7 +163,7 @@ TEST(Scene, LeftOutKeysKeepTheDefaultsOfTheStructs) {
   EXPECT_EQ(scene.contact.steps_per_contact, plain.contact.steps_per_contact);
   EXPECT_EQ(scene.contact.overlap_limit, plain.contact.overlap_limit);
   EXPECT_EQ(scene.gravity.method, plain.gravity.method);
-  EXPECT_EQ(scene.gravity.interval, plain.gravity.interval);
+  EXPECT_EQ(scene.gravity.interval.unit, plain.gravity.interval.unit);
   EXPECT_EQ(scene.stages[0].spin->axis_drop, SpinSpec{}.axis_drop);
   EXPECT_EQ(scene.stages[0].impact_speed, StageSpec{}.impact_speed);
   EXPECT_EQ(scene.output.checkpoint_interval, plain.output.checkpoint_interval);

@@ -24,9 +24,16 @@ State state_of_many_numbers() {
   for (int b = 0; b < 3; ++b) {
     s.bodies.force[b] = vector();
     s.bodies.torque[b] = vector();
-    s.gravity.force.push_back(vector());
-    s.gravity.torque.push_back(vector());
+    for (gravity::Wrenches* w : {&s.gravity.from, &s.gravity.to, &s.gravity.evaluated}) {
+      w->force.push_back(vector());
+      w->torque.push_back(vector());
+    }
   }
+  s.gravity.interval = number();
+  s.gravity.steps = 7;
+  s.gravity.due = 35;
+  s.gravity.attitude = Quat(number(), number(), number(), number());
+  s.gravity.miss = number();
   s.gravity.time = number();
   s.gravity.omega = vector();
   s.remnant = {1, 0, 1};
@@ -86,8 +93,17 @@ TEST(Checkpoint, HoldsTheWholeState) {
   for (std::size_t b = 0; b < 3; ++b)
     EXPECT_EQ(r.bodies.orientation[b].coeffs(), s.bodies.orientation[b].coeffs());
   EXPECT_EQ(r.remnant, s.remnant);
-  EXPECT_EQ(r.gravity.force, s.gravity.force);
-  EXPECT_EQ(r.gravity.torque, s.gravity.torque);
+  EXPECT_EQ(r.gravity.from.force, s.gravity.from.force);
+  EXPECT_EQ(r.gravity.from.torque, s.gravity.from.torque);
+  EXPECT_EQ(r.gravity.to.force, s.gravity.to.force);
+  EXPECT_EQ(r.gravity.to.torque, s.gravity.to.torque);
+  EXPECT_EQ(r.gravity.evaluated.force, s.gravity.evaluated.force);
+  EXPECT_EQ(r.gravity.evaluated.torque, s.gravity.evaluated.torque);
+  EXPECT_EQ(r.gravity.interval, s.gravity.interval);
+  EXPECT_EQ(r.gravity.steps, s.gravity.steps);
+  EXPECT_EQ(r.gravity.due, s.gravity.due);
+  EXPECT_EQ(r.gravity.attitude.coeffs(), s.gravity.attitude.coeffs());
+  EXPECT_EQ(r.gravity.miss, s.gravity.miss);
   EXPECT_EQ(r.gravity.time, s.gravity.time);
   EXPECT_EQ(r.gravity.omega, s.gravity.omega);
   EXPECT_EQ(r.clock.stage, 2u);

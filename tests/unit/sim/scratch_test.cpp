@@ -191,6 +191,9 @@ TEST(Scratch, CanBeThrownAwayAtAnyStepWithDirectGravity) {
 TEST(Scratch, CanBeThrownAwayAtAnyStepWithHeldTreeGravity) {
   expect_scratch_can_go([] { return thrown_together("method = 'tree'\ninterval = 7"); });
 }
+TEST(Scratch, CanBeThrownAwayAtAnyStepWithGravityEvaluatedWhenNeeded) {
+  expect_scratch_can_go([] { return thrown_together("method = 'tree'\ninterval = 'auto'"); });
+}
 TEST(Scratch, CanBeThrownAwayAtAnyStepInAStrainedBox) {
   expect_scratch_can_go(squeezed);
 }
