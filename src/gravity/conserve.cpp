@@ -2,8 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "core/parallel.h"
-
 namespace cairn::gravity {
 
 void sum_groups(std::span<const Vec3> positions, std::span<const double> masses,
@@ -37,36 +35,16 @@ Turn turn(const Mat3& inertia, const Vec3& torque, double smallest) {
   return result;
 }
 
-void NetWrench::add(const Vec3& x, double m, const Vec3& f, const Vec3& t) {
-  const double w = f.squaredNorm() / m;
-  force += f;
-  torque += x.cross(f) + t;
-  mass += m;
-  weight += w;
-  first += w * x;
-  second += w * x * x.transpose();
-}
-
-NetWrench& NetWrench::operator+=(const NetWrench& other) {
-  force += other.force;
-  torque += other.torque;
-  mass += other.mass;
-  weight += other.weight;
-  first += other.first;
-  second += other.second;
-  return *this;
-}
-
 Balance::Balance(const NetWrench& net) {
   // Below this, forces with so short a lever would be large; the groups' own rotation takes the torque.
   constexpr double kSmallest = 1e-6;
   const bool felt = net.weight > 0.0;
-  centre = felt ? Vec3(net.first / net.weight) : Vec3(Vec3::Zero());
-  shift = felt ? Vec3(-net.force / net.weight) : Vec3(Vec3::Zero());
+  const Vec3 centre = felt ? Vec3(net.first / net.weight) : Vec3(Vec3::Zero());
   const Mat3 second = net.second - net.weight * centre * centre.transpose();
   const Turn t =
       turn(second.trace() * Mat3::Identity() - second, centre.cross(net.force) - net.torque, kSmallest);
   rotation = t.rotation;
+  shift = felt ? Vec3(-net.force / net.weight - rotation.cross(centre)) : Vec3(Vec3::Zero());
   torque = t.rest / net.mass;
 }
 

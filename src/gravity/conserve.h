@@ -3,10 +3,12 @@
 // group feels. Groups far from the others, which feel little, are changed little.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
-#include "core/math.h"
+#include "core/parallel.h"
+#include "gravity/simd.h"
 
 namespace cairn::gravity {
 
@@ -31,30 +33,90 @@ struct Turn {
 /// as none.
 Turn turn(const Mat3& inertia, const Vec3& torque, double smallest);
 
-/// Sums over groups that tell what a balance takes; they are added in a fixed order.
+/// Sums over groups that tell what a balance takes. A group's weight is |F|^2 / m.
 struct NetWrench {
   Vec3 force = Vec3::Zero();
   Vec3 torque = Vec3::Zero();  ///< about the origin
   double mass = 0.0, weight = 0.0;
   Vec3 first = Vec3::Zero();   ///< of the weight
   Mat3 second = Mat3::Zero();  ///< of the weight
-
-  /// One group at x (m, from the origin) with its mass, force and torque. Its weight is |F|^2 / m.
-  void add(const Vec3& x, double m, const Vec3& f, const Vec3& t);
-  NetWrench& operator+=(const NetWrench& other);
 };
 
 /// The change of wrenches that leaves no net force and no net torque: of forces by weight (shift + rotation x
-/// (x - centre)), which is the smallest change relative to |F| / sqrt(m) that does it; what torque they have
-/// no lever for is taken from the groups' own torques, in proportion to mass.
+/// X), which is the smallest change relative to |F| / sqrt(m) that does it; what torque they have no lever
+/// for is taken from the groups' own torques, in proportion to mass.
 struct Balance {
-  Vec3 shift, rotation, centre;
+  Vec3 shift, rotation;
   Vec3 torque;  ///< over mass
 
   explicit Balance(const NetWrench& net);
-  Vec3 force_on(const Vec3& x, double m, const Vec3& f) const {
-    return f.squaredNorm() / m * (shift + rotation.cross(x - centre));
-  }
 };
+
+/// Wrenches on kLanes groups.
+struct PackWrench {
+  PackVec force, torque;
+};
+
+/// Sets wrenches on groups at `positions` (m), of `masses` (kg), to at(g, count), the PackWrench of the
+/// `count` groups from g on, balanced. Sums run in a fixed order, in parallel.
+template <class At>
+void set_balanced(std::span<const Vec3> positions, std::span<const double> masses, const At& at,
+                  std::span<Vec3> force, std::span<Vec3> torque) {
+  constexpr std::size_t kBlock = 512;
+  const std::size_t n = positions.size();
+  const PackVec origin = spread(positions[0]);  // a pile far from the zero keeps its digits
+  const auto mass_of = [&](std::size_t g, std::size_t count) {
+    if (count >= kLanes) return load(&masses[g]);
+    Pack m = spread(1.0);  // lanes past the end are divided by it
+    for (std::size_t i = 0; i < count; ++i) m[i] = masses[g + i];
+    return m;
+  };
+  std::vector<NetWrench> nets((n + kBlock - 1) / kBlock);
+  parallel_blocks(n, kBlock, [&](std::size_t begin, std::size_t end) {
+    PackVec net_force, net_torque, first, diagonal, mixed;
+    Pack mass{}, weight{};
+    for (std::size_t g = begin; g < end; g += kLanes) {
+      const std::size_t count = end - g;
+      const PackWrench w = at(g, count);
+      const PackVec x = load(&positions[g], count) - origin;
+      const Pack m = mass_of(g, count), part = dot(w.force, w.force) / m;
+      store(&force[g], w.force, count);
+      store(&torque[g], w.torque, count);
+      net_force = net_force + w.force;
+      net_torque = net_torque + cross(x, w.force) + w.torque;
+      mass += head(count) * m;
+      weight += part;
+      const PackVec moment{part * x.x, part * x.y, part * x.z};
+      first = first + moment;
+      diagonal = diagonal + PackVec{moment.x * x.x, moment.y * x.y, moment.z * x.z};
+      mixed = mixed + PackVec{moment.y * x.z, moment.z * x.x, moment.x * x.y};
+    }
+    const Vec3 d = sum(diagonal), s = sum(mixed);
+    Mat3 second;
+    second << d.x(), s.z(), s.y(), s.z(), d.y(), s.x(), s.y(), s.x(), d.z();
+    nets[begin / kBlock] = {sum(net_force), sum(net_torque), sum(mass), sum(weight), sum(first), second};
+  });
+  NetWrench net;
+  for (const NetWrench& part : nets) {
+    net.force += part.force;
+    net.torque += part.torque;
+    net.mass += part.mass;
+    net.weight += part.weight;
+    net.first += part.first;
+    net.second += part.second;
+  }
+  const Balance balance(net);
+  const PackVec shift = spread(balance.shift), rotation = spread(balance.rotation);
+  parallel_blocks(n, kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t g = begin; g < end; g += kLanes) {
+      const std::size_t count = end - g;
+      const PackVec x = load(&positions[g], count) - origin, f = load(&force[g], count);
+      const Pack part = dot(f, f) / mass_of(g, count);
+      store(&force[g], fma(part, shift + cross(rotation, x), f), count);
+    }
+    if (balance.torque != Vec3::Zero())
+      for (std::size_t g = begin; g < end; ++g) torque[g] += masses[g] * balance.torque;
+  });
+}
 
 }  // namespace cairn::gravity

@@ -72,32 +72,21 @@ void renew(HeldGravity& held, const Wrenches& now, std::span<const double> masse
 
 void extrapolate(const HeldGravity& held, double time, std::span<const Vec3> positions,
                  std::span<const double> masses, std::span<Vec3> force, std::span<Vec3> torque) {
-  constexpr std::size_t kBlock = 512;
   const Mat3 turned = attitude_at(held, time).toRotationMatrix();
+  const PackVec row[3] = {spread(turned.row(0)), spread(turned.row(1)), spread(turned.row(2))};
   const double part = held.interval > 0.0 ? (time - held.time) / held.interval : 0.0;
   const bool moves = !held.to.force.empty() && part != 0.0, points = held.from.torque.empty();
-  const auto at = [&](const std::vector<Vec3>& from, const std::vector<Vec3>& to, std::size_t g) -> Vec3 {
-    return turned * (moves ? Vec3(from[g] + part * (to[g] - from[g])) : from[g]);
+  const auto now = [&](const std::vector<Vec3>& from, const std::vector<Vec3>& to, std::size_t g,
+                       std::size_t count) -> PackVec {
+    PackVec f = load(&from[g], count);
+    if (moves) f = fma(spread(part), load(&to[g], count) - f, f);
+    return {dot(row[0], f), dot(row[1], f), dot(row[2], f)};
   };
-  const std::size_t n = positions.size();
-  const Vec3 origin = positions[0];
-  std::vector<NetWrench> nets((n + kBlock - 1) / kBlock);
-  parallel_blocks(n, kBlock, [&](std::size_t begin, std::size_t end) {
-    NetWrench net;
-    for (std::size_t g = begin; g < end; ++g) {
-      force[g] = at(held.from.force, held.to.force, g);
-      torque[g] = points ? Vec3(Vec3::Zero()) : at(held.from.torque, held.to.torque, g);
-      net.add(positions[g] - origin, masses[g], force[g], torque[g]);
-    }
-    nets[begin / kBlock] = net;
-  });
-  NetWrench total;
-  for (const NetWrench& net : nets) total += net;
-  const Balance balance(total);
-  parallel_for(n, [&](std::size_t g) {
-    force[g] += balance.force_on(positions[g] - origin, masses[g], force[g]);
-    torque[g] += masses[g] * balance.torque;
-  });
+  const auto at = [&](std::size_t g, std::size_t count) -> PackWrench {
+    return {now(held.from.force, held.to.force, g, count),
+            points ? PackVec{} : now(held.from.torque, held.to.torque, g, count)};
+  };
+  set_balanced(positions, masses, at, force, torque);
 }
 
 std::uint64_t automatic_steps(const HeldGravity& held, double error, double shortest, double dt) {

@@ -9,6 +9,8 @@
 #include <cstddef>
 #include <cstring>
 
+#include "core/math.h"
+
 namespace cairn::gravity {
 
 #if defined(__AVX512F__)
@@ -36,6 +38,57 @@ inline void store(double* to, Pack pack) {
   std::memcpy(to, &pack, sizeof pack);
 }
 
+/// Vectors, one to a lane.
+struct PackVec {
+  Pack x{}, y{}, z{};
+
+  friend PackVec operator+(const PackVec& a, const PackVec& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend PackVec operator-(const PackVec& a, const PackVec& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+};
+
+/// The first `count` of kLanes vectors, the others are zero.
+inline PackVec load(const Vec3* from, std::size_t count) {
+  PackVec v;
+#if defined(__AVX512F__)
+  if (count >= kLanes) {
+    using I [[gnu::vector_size(64)]] = long long;
+    const double* p = from->data();
+    const Pack a = load(p), b = load(p + 8), c = load(p + 16);
+    v.x = __builtin_shuffle(__builtin_shuffle(a, b, I{0, 3, 6, 9, 12, 15, 0, 0}), c,
+                            I{0, 1, 2, 3, 4, 5, 10, 13});
+    v.y = __builtin_shuffle(__builtin_shuffle(a, b, I{1, 4, 7, 10, 13, 0, 0, 0}), c,
+                            I{0, 1, 2, 3, 4, 8, 11, 14});
+    v.z = __builtin_shuffle(__builtin_shuffle(a, b, I{2, 5, 8, 11, 14, 0, 0, 0}), c,
+                            I{0, 1, 2, 3, 4, 9, 12, 15});
+    return v;
+  }
+#endif
+  for (std::size_t i = 0; i < kLanes && i < count; ++i) {
+    v.x[i] = from[i].x();
+    v.y[i] = from[i].y();
+    v.z[i] = from[i].z();
+  }
+  return v;
+}
+
+/// Writes the first `count` vectors.
+inline void store(Vec3* to, const PackVec& v, std::size_t count) {
+#if defined(__AVX512F__)
+  if (count >= kLanes) {
+    using I [[gnu::vector_size(64)]] = long long;
+    double* p = to->data();
+    store(p, __builtin_shuffle(__builtin_shuffle(v.x, v.y, I{0, 8, 0, 1, 9, 0, 2, 10}), v.z,
+                               I{0, 1, 8, 3, 4, 9, 6, 7}));
+    store(p + 8, __builtin_shuffle(__builtin_shuffle(v.x, v.y, I{0, 3, 11, 0, 4, 12, 0, 5}), v.z,
+                                   I{10, 1, 2, 11, 4, 5, 12, 7}));
+    store(p + 16, __builtin_shuffle(__builtin_shuffle(v.x, v.y, I{13, 0, 6, 14, 0, 7, 15, 0}), v.z,
+                                    I{0, 13, 2, 3, 14, 5, 6, 15}));
+    return;
+  }
+#endif
+  for (std::size_t i = 0; i < kLanes && i < count; ++i) to[i] = Vec3(v.x[i], v.y[i], v.z[i]);
+}
+
 /// 1 in the first `count` lanes, 0 in the others.
 inline Pack head(std::size_t count) {
   Pack pack;
@@ -54,6 +107,23 @@ inline Pack fma(Pack a, Pack b, Pack c) {
 #endif
 }
 
+inline Pack dot(const PackVec& a, const PackVec& b) {
+  return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z));
+}
+
+inline PackVec cross(const PackVec& a, const PackVec& b) {
+  return {fma(a.y, b.z, -(a.z * b.y)), fma(a.z, b.x, -(a.x * b.z)), fma(a.x, b.y, -(a.y * b.x))};
+}
+
+/// s a + b
+inline PackVec fma(Pack s, const PackVec& a, const PackVec& b) {
+  return {fma(s, a.x, b.x), fma(s, a.y, b.y), fma(s, a.z, b.z)};
+}
+
+inline PackVec spread(const Vec3& a) {
+  return {spread(a.x()), spread(a.y()), spread(a.z())};
+}
+
 /// Sum of the lanes, in a fixed order.
 inline double sum(Pack pack) {
   double lane[kLanes];
@@ -62,6 +132,10 @@ inline double sum(Pack pack) {
     for (int i = 0; i < half; ++i) lane[i] += lane[i + half];
   }
   return lane[0];
+}
+
+inline Vec3 sum(const PackVec& a) {
+  return {sum(a.x), sum(a.y), sum(a.z)};
 }
 
 /// One truth value per lane.

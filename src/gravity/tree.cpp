@@ -69,11 +69,25 @@ void Tree::halve(std::size_t cell) {
       high[k] = std::max(high[k], item->x[k]);
     }
   }
+  // A pile that only creeps shall be cut alike every time, even if it is a lattice, whose points stand in
+  // line: sides count as longer, and points as told apart, only if they are so by more than a small part of
+  // the cell.
+  constexpr double kLonger = 1.0 + 0x1p-10, kPart = 0x1p-16;
   int axis = 0;
   for (int k = 1; k < 3; ++k) {
-    if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
+    if (high[k] - low[k] > kLonger * (high[axis] - low[axis])) axis = k;
   }
-  std::nth_element(from, middle, to, [axis](const Item& a, const Item& b) { return a.x[axis] < b.x[axis]; });
+  const double side = high[axis] - low[axis];
+  const double scale = side > 0.0 ? 1.0 / (kPart * std::exp2(std::ceil(std::log2(side)))) : 0.0;
+  const int second = (axis + 1) % 3, third = (axis + 2) % 3;
+  std::nth_element(from, middle, to, [=](const Item& a, const Item& b) {
+    for (const int k : {axis, second, third}) {
+      // The borders of parts stay off the planes of symmetry of a pile about its centre.
+      const double at = std::floor(scale * a.x[k] + 0.4), bt = std::floor(scale * b.x[k] + 0.4);
+      if (at != bt) return at < bt;
+    }
+    return a.index < b.index;
+  });
 }
 
 void Tree::describe(std::size_t cell) {

@@ -9,18 +9,13 @@ namespace cairn::gravity {
 namespace {
 
 // Wrenches on groups, cleared of what is net.
-Wrenches balanced(const Cloud& groups, Wrenches w) {
-  const Balance balance = [&] {
-    NetWrench net;
-    for (std::size_t g = 0; g < groups.size(); ++g)
-      net.add(groups.x[g] - groups.x[0], groups.mass[g], w.force[g], w.torque[g]);
-    return Balance(net);
-  }();
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    w.force[g] += balance.force_on(groups.x[g] - groups.x[0], groups.mass[g], w.force[g]);
-    w.torque[g] += groups.mass[g] * balance.torque;
-  }
-  return w;
+Wrenches balanced(const Cloud& groups, const Wrenches& w) {
+  Wrenches out{std::vector<Vec3>(groups.size()), std::vector<Vec3>(groups.size())};
+  const auto at = [&](std::size_t g, std::size_t count) -> PackWrench {
+    return {load(&w.force[g], count), load(&w.torque[g], count)};
+  };
+  set_balanced(groups.x, groups.mass, at, out.force, out.torque);
+  return out;
 }
 
 // Net force, and net torque about the first group, over the sums of magnitudes.
@@ -56,8 +51,9 @@ TEST(Conserve, NothingIsLeftOfNetForceAndTorque) {
   const Wrenches b = balanced(cloud, w);
   EXPECT_LT(net_of(cloud, b).force, 1e-15);
   EXPECT_LT(net_of(cloud, b).torque, 1e-15);
-  EXPECT_LT(rms_error(b.force, w.force), 3e-3);                                        // a small change
-  for (std::size_t g = 0; g < cloud.size(); ++g) EXPECT_LT((b.torque[g] - w.torque[g]).norm(), 1e-6);  // none is spun
+  EXPECT_LT(rms_error(b.force, w.force), 3e-3);  // a small change
+  for (std::size_t g = 0; g < cloud.size(); ++g)
+    EXPECT_LT((b.torque[g] - w.torque[g]).norm(), 1e-6);  // none is spun
 }
 
 // A heavy pile that does not quite balance itself, and a moon of it ten pile radii away: the moon's path is
