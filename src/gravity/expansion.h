@@ -133,10 +133,8 @@ template <int order>
 
 /// Folds the components of M with c >= 2 into the others: D_{n+2z} = -D_{n+2x} - D_{n+2y}.
 template <int order>
-inline void reduce_multipole(const double* full, double* reduced) {
+inline void reduce_multipole(std::array<double, Indices<order>::kAll>& m, double* reduced) {
   using I = Indices<order>;
-  std::array<double, I::kAll> m;
-  std::copy_n(full, I::kAll, m.begin());
   for (int n = I::kAll; n-- > I::kReduced;) {
     const auto i = I::at(n);
     m[static_cast<std::size_t>(I::number(i.a + 2, i.b, i.c - 2))] -= m[static_cast<std::size_t>(n)];
@@ -189,12 +187,13 @@ struct ShiftTable {
   }();
 };
 
-/// Adds a child's multipole to its parent's; (x, y, z) from the parent's centre to the child's.
+/// Adds a child's folded multipole to its parent's, which is then to be folded itself: what folding leaves
+/// out has no field, from any centre. (x, y, z) from the parent's centre to the child's.
 template <int order>
 inline void shift_multipole(const double* child, double x, double y, double z, double* parent) {
   const auto p = powers<order>(-x, -y, -z);
   for (const auto& e : ShiftTable<order>::kEntries)
-    parent[e.sum] = std::fma(p[e.n], child[e.m], parent[e.sum]);
+    if (e.m < Indices<order>::kReduced) parent[e.sum] = std::fma(p[e.n], child[e.m], parent[e.sum]);
 }
 
 /// Adds a parent's local expansion to its child's; (x, y, z) from the parent's centre to the child's.

@@ -34,7 +34,7 @@ void Fmm::evaluate(const Points& points, std::span<Vec3> acceleration, std::span
 
 template <int order>
 void Fmm::run(std::span<Vec3> acceleration, std::span<double> potential) {
-  gather_multipoles<order>(tree_, moments_, reduced_);
+  gather_multipoles<order>(tree_, reduced_);
   const FmmKernel<order> kernel(tree_, reduced_, acceleration, potential);
   Walk(tree_, {settings_.theta, tolerance_, order}, kernel).run();
 }

@@ -33,8 +33,7 @@ class Fmm {
   FmmSettings settings_;
   double tolerance_ = 0.0;
   Tree tree_;
-  std::vector<double> moments_;  // full multipoles, cell by cell
-  std::vector<double> reduced_;  // their independent components, and a last row of zeros
+  std::vector<double> reduced_;  // independent components of the multipoles, cell by cell, and a row of zeros
 };
 
 }  // namespace cairn::gravity

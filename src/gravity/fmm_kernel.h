@@ -9,18 +9,17 @@
 
 namespace cairn::gravity {
 
-/// Multipoles of every cell, upwards from the leaves. `full` has Indices::kAll numbers a cell, `reduced`
-/// Indices::kReduced and one row of zeros more.
+/// Multipoles of every cell, upwards from the leaves: Indices::kReduced numbers a cell, and one row of zeros
+/// more.
 template <int order>
-void gather_multipoles(const Tree& tree, std::vector<double>& full, std::vector<double>& reduced) {
+void gather_multipoles(const Tree& tree, std::vector<double>& reduced) {
   using I = Indices<order>;
-  full.assign(tree.cells() * I::kAll, 0.0);
   reduced.resize((tree.cells() + 1) * I::kReduced);
   std::fill_n(reduced.end() - I::kReduced, I::kReduced, 0.0);
   const PointArrays& p = tree.points();
   const auto gather = [&](std::size_t cell) {
     const Cell& c = tree[cell];
-    double* moments = &full[cell * I::kAll];
+    std::array<double, I::kAll> moments{};
     if (tree.leaf(cell)) {
       std::array<Pack, I::kAll> sums{};
       for (std::size_t i = tree.begin(cell); i < tree.end(cell); i += kLanes) {
@@ -35,7 +34,7 @@ void gather_multipoles(const Tree& tree, std::vector<double>& full, std::vector<
       for (int k = 0; k < 2; ++k) {
         const std::size_t child = Tree::child(cell, k);
         const Vec3 d = tree[child].centre - c.centre;
-        shift_multipole<order>(&full[child * I::kAll], d.x(), d.y(), d.z(), moments);
+        shift_multipole<order>(&reduced[child * I::kReduced], d.x(), d.y(), d.z(), moments.data());
       }
     }
     reduce_multipole<order>(moments, &reduced[cell * I::kReduced]);
