@@ -81,7 +81,8 @@ void add_perturbers(const Physics& physics, double dt, State& state, ExternalScr
     for (const gravity::Pull& p : pulls.each)
       if (!(add_pull(p, std::span(places).subspan(begin, end - begin), pull) > pulls.reach2)) near = true;
 
-    PerturberRates& sum = scratch.sums[first / block];
+    PerturberSums& block_sums = scratch.sums[first / block];
+    PerturberRates& sum = block_sums.rates;
     for (std::size_t b = first; b < last; ++b) {
       Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
       for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s) {
@@ -102,14 +103,18 @@ void add_perturbers(const Physics& physics, double dt, State& state, ExternalScr
       const Vec3 arm = separation(bodies, 0, b);  // about body 0 first: a far pile loses nothing
       sum.force += force;
       sum.torque += arm.cross(force);
-      sum.moment += bodies.mass[b] * arm;
+      block_sums.moment += bodies.mass[b] * arm;
     }
   });
   if (near) check_distances(physics, state, pulls);
 
   PerturberRates now;
-  for (const PerturberRates& sum : scratch.sums) now += sum;
-  now.torque -= (now.moment / physics.body_mass).cross(now.force);
+  Vec3 moment = Vec3::Zero();
+  for (const PerturberSums& sum : scratch.sums) {
+    now += sum.rates;
+    moment += sum.moment;
+  }
+  now.torque -= (moment / physics.body_mass).cross(now.force);
   PerturberLedger& ledger = state.ledger.perturbers;
   ledger.work += 0.5 * dt * (ledger.rates.power + now.power);
   ledger.momentum += 0.5 * dt * (ledger.rates.force + now.force);

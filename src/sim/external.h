@@ -6,10 +6,16 @@
 
 namespace cairn {
 
+/// Sums over a block of bodies.
+struct PerturberSums {
+  PerturberRates rates;        ///< torque about the mass centre of body 0
+  Vec3 moment = Vec3::Zero();  ///< kg m, of the masses about it
+};
+
 /// What add_external makes afresh at every call.
 struct ExternalScratch {
-  std::vector<Vec3> places, pulls;   ///< of spheres, m and m/s^2
-  std::vector<PerturberRates> sums;  ///< of blocks of bodies
+  std::vector<Vec3> places, pulls;  ///< of spheres, m and m/s^2
+  std::vector<PerturberSums> sums;  ///< of blocks of bodies
 };
 
 /// Adds the wrenches of external fields to those held in the bodies, as the last of all, and books what

@@ -42,13 +42,11 @@ struct Control {
 struct PerturberRates {
   Vec3 force = Vec3::Zero();   ///< N
   Vec3 torque = Vec3::Zero();  ///< N m, about the mass centre
-  Vec3 moment = Vec3::Zero();  ///< kg m, of the masses; on the way to the torque
   double power = 0.0;          ///< W
 
   PerturberRates& operator+=(const PerturberRates& other) {
     force += other.force;
     torque += other.torque;
-    moment += other.moment;
     power += other.power;
     return *this;
   }

@@ -54,8 +54,8 @@ double hill_error(double steps_per_radian) {
 }
 
 TEST(Tides, ALooseBallFollowsHillsEquations) {
-  const double coarse = hill_error(500.0), fine = hill_error(1000.0);
-  report::error("loose ball near the zero on a circular orbit, one turn in 6300 steps: place, relative",
+  const double coarse = hill_error(1500.0), fine = hill_error(3000.0);
+  report::error("loose ball near the zero on a circular orbit, one turn in 18 900 steps: place, relative",
                 "Clohessy-Wiltshire solution", fine, 3e-6);
   report::near("the same: order in the time step", "2", std::log2(coarse / fine), 2.0, 0.1);
 }
@@ -300,8 +300,8 @@ struct Ledgers {
 Ledgers pass(double dt, bool tidal) {
   std::string content;
   content += body({.shape = "rod4", .size = 10, .position = {0, 0, 0}, .spin = {0, 1e-4, 1e-4}});
-  content += body({.shape = "rod4", .size = 10, .position = {80, 10, 0}, .spin = {1e-4, 0, -1e-4}});
-  content += body({.size = 20, .position = {-20, 60, 30}});
+  content += body({.shape = "rod4", .size = 10, .position = {300, 30, 0}, .spin = {1e-4, 0, -1e-4}});
+  content += body({.size = 20, .position = {-90, 260, 130}});
   content +=
       perturber(kPlanet, fmt::format("tidal = {}\n[perturber.orbit]\nperiapsis = 8e6\neccentricity = 1.4\n"
                                      "periapsis_time = 3000\ninclination = 0.3\n",
@@ -323,7 +323,7 @@ Ledgers pass(double dt, bool tidal) {
     out.angular = std::max(out.angular, now.angular_drift);
     out.energy = std::max(out.energy, std::abs(energy(now) - energy(start)) / (now.kinetic + now.rotational));
     out.given = std::abs(now.perturber_work) / (now.kinetic + now.rotational);
-    EXPECT_GT(now.perturber_distance, 7.9e6);
+    EXPECT_GT(now.perturber_distance, tidal ? 7.9e6 : 6e6);
   }
   return out;
 }
@@ -335,8 +335,9 @@ TEST(Tides, WhatThePlanetGivesIsBooked) {
     EXPECT_GT(fine.given, 0.3);
     report::error("three bodies pass a planet, " + frame + ": drift of the momentum less what it gave",
                   "conserved", fine.momentum, 1e-13);
+    // In the inertial frame the bodies reach 8 km/s, and their mutual 0.03 m/s are known to 1e-12 m/s.
     report::error("the same: drift of the angular momentum less what it gave", "conserved", fine.angular,
-                  1e-12);
+                  tidal ? 1e-13 : 1e-9);
     report::error("the same: energy less the planet's work, over the kinetic energy", "conserved",
                   fine.energy, 1e-4);
     report::near("the same: order of the energy in the time step", "2",
@@ -353,7 +354,7 @@ TEST(Tides, AFramedPileFeelsTheSameTide) {
   Experiment e(scene_text({}, step_of(1.0), "",
                           body({.shape = "rod4", .position = far, .velocity = fast}) +
                               body({.position = Vec3(-4e7, 1e7, 0.0)}) +
-                              body({.position = far + Vec3(9, 0, 0)}) + orbit));
+                              body({.position = far + Vec3(9, 0, 0), .velocity = fast}) + orbit));
   ASSERT_NE(e.state.shift.velocity, Vec3(Vec3::Zero()));
   ASSERT_FALSE(e.state.bodies.cell.empty());
   e.begin();
@@ -411,8 +412,8 @@ TEST(Tides, APlanetAmongTheBodiesStopsTheRun) {
                   .ends_with("of sphere 0 of body 0; expected more than 6 m"));
   EXPECT_EQ(message(fixed("radius = 5\nposition = [4, 0, 0]\n")),
             "input: perturber 'P' is at the zero of the frame, which falls freely in its pull");
-  const std::string moving =
-      message(fixed("radius = 5\ntrack = [[0, 100, 0, 0, -1, 0, 0], [1e6, -999900, 0, 0, -1, 0, 0]]\n"));
+  const std::string moving = message(
+      perturber(1e-6, "radius = 5\ntrack = [[0, 100, 0, 0, -1, 0, 0], [1e6, -999900, 0, 0, -1, 0, 0]]\n"));
   EXPECT_TRUE(moving.starts_with("unstable: t = 9") && moving.find("perturber 'P' is") != std::string::npos)
       << moving;
 }
