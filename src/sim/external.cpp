@@ -81,30 +81,32 @@ void add_perturbers(const Physics& physics, double dt, State& state, ExternalScr
     for (const gravity::Pull& p : pulls.each)
       if (!(add_pull(p, std::span(places).subspan(begin, end - begin), pull) > pulls.reach2)) near = true;
 
-    PerturberSums& block_sums = scratch.sums[first / block];
-    PerturberRates& sum = block_sums.rates;
+    PerturberRates sum;
+    Vec3 moment = Vec3::Zero();
     for (std::size_t b = first; b < last; ++b) {
-      Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-      for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s) {
-        const Vec3 f = spheres.mass[s] * scratch.pulls[s];
-        force += f;
-        torque += (spheres.position[s] - bodies.position[b]).cross(f);
-      }
-      bodies.force[b] += force;
-      const Vec3 velocity = bodies.velocity[b] + (0.5 * dt / bodies.mass[b]) * bodies.force[b];
-      sum.power += force.dot(velocity);
+      const std::uint32_t sphere = bodies.first_sphere[b];
+      Vec3 force = spheres.mass[sphere] * scratch.pulls[sphere];
       if (bodies.sphere_count(b) > 1) {
+        Vec3 torque = (spheres.position[sphere] - bodies.position[b]).cross(force);
+        for (std::uint32_t s = sphere + 1; s < bodies.first_sphere[b + 1]; ++s) {
+          const Vec3 f = spheres.mass[s] * scratch.pulls[s];
+          force += f;
+          torque += (spheres.position[s] - bodies.position[b]).cross(f);
+        }
         bodies.torque[b] += torque;
         const Quat& q = bodies.orientation[b];
         const Vec3 spin = bodies.spin[b] + 0.5 * dt * bodies.torque[b];
         sum.power += (q.conjugate() * torque).dot((q.conjugate() * spin).cwiseQuotient(bodies.inertia[b]));
         sum.torque += torque;
       }
+      bodies.force[b] += force;
+      sum.power += force.dot(bodies.velocity[b] + (0.5 * dt / bodies.mass[b]) * bodies.force[b]);
       const Vec3 arm = separation(bodies, 0, b);  // about body 0 first: a far pile loses nothing
       sum.force += force;
       sum.torque += arm.cross(force);
-      block_sums.moment += bodies.mass[b] * arm;
+      moment += bodies.mass[b] * arm;
     }
+    scratch.sums[first / block] = {sum, moment};
   });
   if (near) check_distances(physics, state, pulls);
 
