@@ -337,7 +337,7 @@ TEST(Tides, WhatThePlanetGivesIsBooked) {
                   "conserved", fine.momentum, 1e-13);
     // In the inertial frame the bodies reach 8 km/s, and their mutual 0.03 m/s are known to 1e-12 m/s.
     report::error("the same: drift of the angular momentum less what it gave", "conserved", fine.angular,
-                  tidal ? 1e-13 : 1e-9);
+                  tidal ? 1e-13 : 3e-9);
     report::error("the same: energy less the planet's work, over the kinetic energy", "conserved",
                   fine.energy, 1e-4);
     report::near("the same: order of the energy in the time step", "2",
@@ -361,7 +361,7 @@ TEST(Tides, AFramedPileFeelsTheSameTide) {
   for (const double time : {0.0, 1e4}) {
     e.state.clock.stage_start = time;
     for (std::size_t b = 0; b < 3; ++b) e.state.bodies.force[b].setZero();
-    add_external(e.physics, 0.0, e.state, e.scratch.external);
+    add_perturbers(e.physics, 0.0, e.state, e.scratch.perturbers);
     const Vec3 planet = motion(e.physics.perturbers[0].orbit, time).position;
     for (std::size_t b = 0; b < 3; ++b) {
       const Vec3 x = place(e.state.bodies, b) + e.state.shift.position + time * e.state.shift.velocity;
@@ -416,6 +416,20 @@ TEST(Tides, APlanetAmongTheBodiesStopsTheRun) {
       perturber(1e-6, "radius = 5\ntrack = [[0, 100, 0, 0, -1, 0, 0], [1e6, -999900, 0, 0, -1, 0, 0]]\n"));
   EXPECT_TRUE(moving.starts_with("unstable: t = 9") && moving.find("perturber 'P' is") != std::string::npos)
       << moving;
+}
+
+TEST(Tides, AStepTooLongForTheEncounterIsWarnedOf) {
+  for (const double dt : {1.0, 50.0}) {
+    Experiment e(scene_text({}, step_of(dt), "", body({}) + circle(kPlanet, 1e7)));
+    e.begin();
+    const std::vector<std::string> found = warnings(e.physics, e.state.bodies);
+    if (dt == 1.0)
+      EXPECT_TRUE(found.empty());
+    else
+      EXPECT_EQ(found,
+                std::vector<std::string>{
+                    "the time step of 50 s is long for perturber 'P', which passes in about 1.58e+03 s"});
+  }
 }
 
 TEST(Tides, AUniformFieldIsTakenOffTheDrift) {

@@ -1,4 +1,4 @@
-#include "sim/external.h"
+#include "sim/perturbers.h"
 
 #include <algorithm>
 #include <atomic>
@@ -61,7 +61,42 @@ void check_distances(const Physics& physics, const State& state, const Pulls& pu
     }
 }
 
-void add_perturbers(const Physics& physics, double dt, State& state, ExternalScratch& scratch) {
+/// Adds the pulls on the spheres of bodies [first, last) to the wrenches of these and sums what they do.
+PerturberSums pull_bodies(const std::vector<Vec3>& pulls, double dt, std::size_t first, std::size_t last,
+                          Bodies& bodies) {
+  const Spheres& spheres = bodies.spheres;
+  PerturberRates sum;
+  Vec3 moment = Vec3::Zero();
+  for (std::size_t b = first; b < last; ++b) {
+    const std::uint32_t sphere = bodies.first_sphere[b];
+    Vec3 force = spheres.mass[sphere] * pulls[sphere];
+    if (bodies.sphere_count(b) > 1) {
+      Vec3 torque = (spheres.position[sphere] - bodies.position[b]).cross(force);
+      for (std::uint32_t s = sphere + 1; s < bodies.first_sphere[b + 1]; ++s) {
+        const Vec3 f = spheres.mass[s] * pulls[s];
+        force += f;
+        torque += (spheres.position[s] - bodies.position[b]).cross(f);
+      }
+      bodies.torque[b] += torque;
+      const Quat& q = bodies.orientation[b];
+      const Vec3 spin = bodies.spin[b] + 0.5 * dt * bodies.torque[b];
+      sum.power += (q.conjugate() * torque).dot((q.conjugate() * spin).cwiseQuotient(bodies.inertia[b]));
+      sum.torque += torque;
+    }
+    bodies.force[b] += force;
+    sum.power += force.dot(bodies.velocity[b] + (0.5 * dt / bodies.mass[b]) * bodies.force[b]);
+    const Vec3 arm = separation(bodies, 0, b);  // about body 0 first: a far pile loses nothing
+    sum.force += force;
+    sum.torque += arm.cross(force);
+    moment += bodies.mass[b] * arm;
+  }
+  return {sum, moment};
+}
+
+}  // namespace
+
+void add_perturbers(const Physics& physics, double dt, State& state, PerturberScratch& scratch) {
+  if (physics.perturbers.empty()) return;
   constexpr std::size_t block = 128;
   Bodies& bodies = state.bodies;
   const Spheres& spheres = bodies.spheres;
@@ -81,32 +116,7 @@ void add_perturbers(const Physics& physics, double dt, State& state, ExternalScr
     for (const gravity::Pull& p : pulls.each)
       if (!(add_pull(p, std::span(places).subspan(begin, end - begin), pull) > pulls.reach2)) near = true;
 
-    PerturberRates sum;
-    Vec3 moment = Vec3::Zero();
-    for (std::size_t b = first; b < last; ++b) {
-      const std::uint32_t sphere = bodies.first_sphere[b];
-      Vec3 force = spheres.mass[sphere] * scratch.pulls[sphere];
-      if (bodies.sphere_count(b) > 1) {
-        Vec3 torque = (spheres.position[sphere] - bodies.position[b]).cross(force);
-        for (std::uint32_t s = sphere + 1; s < bodies.first_sphere[b + 1]; ++s) {
-          const Vec3 f = spheres.mass[s] * scratch.pulls[s];
-          force += f;
-          torque += (spheres.position[s] - bodies.position[b]).cross(f);
-        }
-        bodies.torque[b] += torque;
-        const Quat& q = bodies.orientation[b];
-        const Vec3 spin = bodies.spin[b] + 0.5 * dt * bodies.torque[b];
-        sum.power += (q.conjugate() * torque).dot((q.conjugate() * spin).cwiseQuotient(bodies.inertia[b]));
-        sum.torque += torque;
-      }
-      bodies.force[b] += force;
-      sum.power += force.dot(bodies.velocity[b] + (0.5 * dt / bodies.mass[b]) * bodies.force[b]);
-      const Vec3 arm = separation(bodies, 0, b);  // about body 0 first: a far pile loses nothing
-      sum.force += force;
-      sum.torque += arm.cross(force);
-      moment += bodies.mass[b] * arm;
-    }
-    scratch.sums[first / block] = {sum, moment};
+    scratch.sums[first / block] = pull_bodies(scratch.pulls, dt, first, last, bodies);
   });
   if (near) check_distances(physics, state, pulls);
 
@@ -122,15 +132,6 @@ void add_perturbers(const Physics& physics, double dt, State& state, ExternalScr
   ledger.momentum += 0.5 * dt * (ledger.rates.force + now.force);
   ledger.angular_momentum += 0.5 * dt * (ledger.rates.torque + now.torque);
   ledger.rates = now;
-}
-
-}  // namespace
-
-void add_external(const Physics& physics, double dt, State& state, ExternalScratch& scratch) {
-  if (physics.field != Vec3::Zero())
-    parallel_for(state.bodies.size(),
-                 [&](std::size_t b) { state.bodies.force[b] += state.bodies.mass[b] * physics.field; });
-  if (!physics.perturbers.empty()) add_perturbers(physics, dt, state, scratch);
 }
 
 double perturber_distance(const Physics& physics, const State& state, const Vec3& center) {
