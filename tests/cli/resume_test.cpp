@@ -108,7 +108,8 @@ class ResumeAtAPlanet : public Resume {
     for (int t = 0; t <= 9000; t += 500)
       rows += fmt::format("{} {} 6e6 {}\n", t, 5e3 * (t - 5000), 1e-3 * t * t);
     folder_.write("planet.txt", rows);
-    scene_ = folder_.write("planets.toml", with(with(kForty, "duration = 5500", "duration = 1000"), "[gravity]", R"([[perturber]]
+    scene_ = folder_.write(
+        "planets.toml", with(with(kForty, "duration = 5500", "duration = 1000"), "[gravity]", R"([[perturber]]
 name = "planet"
 gm = 2e14
 track_file = "planet.txt"
