@@ -6,6 +6,7 @@
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "pile/assemble.h"
+#include "sim/make_perturbers.h"
 #include "sim/make_walls.h"
 #include "sim/run.h"
 
@@ -22,6 +23,7 @@ struct Options {
 double time_step_cost(const std::vector<Wall>& walls, const Setup& setup, const Physics& physics) {
   State state;
   state.bodies = setup.bodies;
+  state.shift = setup.shift;
   state.box = setup.box;
   state.remnant.assign(state.bodies.size(), 1);
   state.walls.walls = walls;
@@ -39,7 +41,8 @@ double time_step_cost(const std::vector<Wall>& walls, const Setup& setup, const 
 }
 
 void check(const Options& options) {
-  const Scene scene = load_scene(options.scene);
+  Scene scene = load_scene(options.scene);
+  load_tracks(scene);
   const Setup setup = assemble(scene);
   const std::vector<Wall> walls = make_walls(scene);
   const std::size_t bodies = setup.bodies.size(), spheres = setup.bodies.spheres.size();

@@ -162,6 +162,23 @@ std::vector<double> read_numbers(const Value& value, std::size_t count, const st
   return numbers;
 }
 
+std::vector<std::vector<double>> read_rows(const Value& array, const std::vector<std::size_t>& widths,
+                                           const std::string& unit, const Bounds& bounds) {
+  std::vector<std::vector<double>> result;
+  each_element(array, "an array of rows of numbers" + in_unit(unit), [&](const Value& row) {
+    const toml::array* numbers = row.node.as_array();
+    const std::size_t width = numbers ? numbers->size() : 0;
+    const bool known = std::find(widths.begin(), widths.end(), width) != widths.end();
+    if (!known || (!result.empty() && width != result.front().size()))
+      row.fail(fmt::format("expected a row of {} numbers{}, found {}",
+                           result.empty() ? fmt::format("{}", fmt::join(widths, " or "))
+                                          : fmt::format("{}", result.front().size()),
+                           in_unit(unit), numbers ? fmt::format("{}", width) : kind(row.node)));
+    result.push_back(read_numbers(row, width, unit, bounds));
+  });
+  return result;
+}
+
 void each_element(const Value& array, const std::string& expected,
                   const std::function<void(const Value&)>& visit) {
   const toml::array* elements = array.node.as_array();

@@ -94,6 +94,9 @@ std::size_t read_choice(const Value& value, const std::vector<std::string>& name
 Interval read_interval(const Value& value, const Bounds& bounds);
 std::vector<double> read_numbers(const Value& value, std::size_t count, const std::string& unit,
                                  const Bounds& bounds);
+/// Rows of numbers, all of the same one of the lengths `widths`.
+std::vector<std::vector<double>> read_rows(const Value& array, const std::vector<std::size_t>& widths,
+                                           const std::string& unit, const Bounds& bounds);
 /// Calls visit(element) for each element of an array, in order.
 void each_element(const Value& array, const std::string& expected,
                   const std::function<void(const Value&)>& visit);
@@ -222,6 +225,15 @@ Key<T> pairs(std::string name, std::vector<R> T::*member, double R::*first, doub
     });
     return rows;
   });
+}
+
+/// An array of rows of numbers, [[a, b, ...], ...]; every row has one of the lengths `widths`, the same.
+template <class T>
+Key<T> rows(std::string name, std::vector<std::vector<double>> T::*member, std::vector<std::size_t> widths,
+            std::string unit, Bounds bounds, std::string help) {
+  KeyInfo info{.name = name, .type = "[[a, ...], ...]", .unit = unit, .bounds = bounds.text(), .help = help};
+  info.fallback = "[]";
+  return make_key(info, member, [=](const Value& array) { return read_rows(array, widths, unit, bounds); });
 }
 
 /// Fills an object from a table of the file.

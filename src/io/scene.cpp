@@ -24,6 +24,8 @@ class Checks {
       check_wall(scene_.walls[i], fmt::format("wall[{}]", i));
     check_contact();
     check_gravity();
+    for (std::size_t i = 0; i < scene_.perturbers.size(); ++i)
+      check_perturber(scene_.perturbers[i], fmt::format("perturber[{}]", i));
     check_stages();
     if (scene_.box) check_box(scene_.box->size);
     if (scene_.pile.empty() && scene_.clouds.empty() && scene_.bodies.empty())
@@ -144,6 +146,43 @@ class Checks {
       throw error("gravity.order", "has no effect without opening_angle; 'error' chooses the order");
   }
 
+  /// At least one, or exactly one, of these keys of the table `owner`.
+  void check_one_of(const std::string& owner, const std::vector<std::string>& names, bool needed) const {
+    std::vector<std::string> found;
+    for (const std::string& name : names)
+      if (given(owner + "." + name)) found.push_back(name);
+    if (found.size() > 1) throw error(owner + "." + found[1], "expected only one of {}", alternatives(names));
+    if (needed && found.empty()) throw error(owner, "expected one of the keys {}", alternatives(names));
+  }
+
+  void check_perturber(const PerturberSpec& perturber, const std::string& key) const {
+    check_one_of(key, {"mass", "gm"}, true);
+    check_one_of(key, {"position", "orbit", "track", "track_file"}, true);
+    if (scene_.box) throw error(key, "has no meaning in a periodic box");
+    if (perturber.orbit) check_orbit(*perturber.orbit, key + ".orbit");
+    if (given(key + ".track"))
+      check_track(perturber.track, total_duration(scene_), [&](std::size_t row, const std::string& what) {
+        throw error(row < perturber.track.size() ? fmt::format("{}.track[{}]", key, row) : key + ".track",
+                    "{}", what);
+      });
+    if (perturber.tidal && given(key + ".position") && perturber.position == Vec3::Zero())
+      throw error(
+          key + ".position",
+          "expected a place other than the zero, which falls freely in its pull unless tidal = false");
+  }
+
+  void check_orbit(const OrbitSpec& orbit, const std::string& key) const {
+    check_one_of(key, {"periapsis", "semi_major_axis"}, true);
+    check_one_of(key, {"periapsis_time", "mean_anomaly"}, false);
+    if (orbit.eccentricity == 1.0)
+      for (const char* name : {".semi_major_axis", ".mean_anomaly"})
+        if (given(key + name)) throw error(key + name, "a parabola (eccentricity 1) has none");
+    if (orbit.semi_major_axis && !(*orbit.semi_major_axis * (1.0 - orbit.eccentricity) > 0.0))
+      throw error(key + ".semi_major_axis", "expected {} 0 for the eccentricity {}, found {}",
+                  orbit.eccentricity < 1.0 ? "above" : "below", show(orbit.eccentricity),
+                  show(*orbit.semi_major_axis));
+  }
+
   void check_stages() const {
     std::set<std::string> names;
     for (const StageSpec& stage : scene_.stages) {
@@ -215,6 +254,12 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::f
 Scene load_scene(const std::filesystem::path& path) {
   const std::filesystem::path directory = path.has_parent_path() ? path.parent_path() : ".";
   return parse_scene(read_text_file(path), path.string(), directory);
+}
+
+double total_duration(const Scene& scene) {
+  double duration = 0.0;
+  for (const StageSpec& stage : scene.stages) duration += stage.duration;
+  return duration;
 }
 
 std::string scene_reference() {

@@ -12,6 +12,7 @@
 #include "core/math.h"
 #include "io/interval.h"
 #include "io/source.h"
+#include "io/track_rows.h"
 #include "motion/spin.h"
 #include "shape/shape.h"
 
@@ -104,6 +105,34 @@ struct GravitySpec {
   Vec3 field = Vec3::Zero();            ///< m/s^2, uniform external field
 };
 
+/// Kepler elements of a perturber about the zero of the scene's frame. One of periapsis and semi_major_axis
+/// is given, and at most one of periapsis_time and mean_anomaly.
+struct OrbitSpec {
+  double eccentricity = 0.0;
+  std::optional<double> periapsis;        ///< m
+  std::optional<double> semi_major_axis;  ///< m, negative for a hyperbola
+  double inclination = 0.0;               ///< rad
+  double node = 0.0;                      ///< rad
+  double argument = 0.0;                  ///< rad, of the periapsis
+  double periapsis_time = 0.0;            ///< s
+  std::optional<double> mean_anomaly;     ///< rad, at time 0
+  std::optional<double> gm;               ///< m^3/s^2; the perturber's and the bodies' when absent
+};
+
+/// A point mass outside the bodies. One of mass and gm is given, and one of position, orbit, track and
+/// track_file.
+struct PerturberSpec {
+  std::string name;
+  std::optional<double> mass;    ///< kg
+  std::optional<double> gm;      ///< m^3/s^2
+  double radius = 0.0;           ///< m; bodies that come so near stop the run
+  bool tidal = true;             ///< the zero of the frame falls freely in its pull
+  Vec3 position = Vec3::Zero();  ///< m, of a fixed one
+  std::optional<OrbitSpec> orbit;
+  TrackRows track;
+  std::string track_file;  ///< its rows are in `track` once load_tracks has been called
+};
+
 /// Prescribed spin of the pile about z [Zhang et al. 2021, section 2.3].
 struct SpinSpec {
   std::vector<SpinPoint> path;
@@ -148,6 +177,7 @@ struct Scene {
   std::vector<Material> materials;
   ContactSpec contact;
   GravitySpec gravity;
+  std::vector<PerturberSpec> perturbers;
   std::vector<StageSpec> stages;
   OutputSpec output;
 
@@ -162,6 +192,9 @@ Scene load_scene(const std::filesystem::path& path);
 
 /// The same from text already in memory (a result file carries its scene); `name` stands in for the file.
 Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& directory);
+
+/// Simulated time (s) of all stages together.
+double total_duration(const Scene& scene);
 
 /// The reference of all scene keys: name, type, unit, default, bounds, help; made from the key table.
 std::string scene_reference();

@@ -16,6 +16,8 @@ constexpr Bounds kCoefficient = within(0, 1e6);
 constexpr Bounds kTime = within(0, 1e15);
 constexpr Bounds kDuration = above(0, 1e15);
 constexpr Bounds kStiffness = above(0, 1e20);
+constexpr Bounds kAngle = magnitude(1e6);
+constexpr Bounds kGm = above(0, 1e30);
 
 const char* const kMaterialHelp =
     "name of a [[material]]; may be left out when there is one, or none (then the nominal material is used)";
@@ -149,6 +151,45 @@ const Keys<GravitySpec> kGravityKeys = {
     vector("field", &GravitySpec::field, "m/s^2", magnitude(1e12), "uniform external field"),
 };
 
+const Keys<OrbitSpec> kOrbitKeys = {
+    number("eccentricity", &OrbitSpec::eccentricity, "", within(0, 1e6), "1: parabola, above: hyperbola")
+        .required(),
+    number("periapsis", &OrbitSpec::periapsis, "m", above(0, 1e15),
+           "distance of the periapsis; this or semi_major_axis"),
+    number("semi_major_axis", &OrbitSpec::semi_major_axis, "m", magnitude(1e15),
+           "negative for a hyperbola; a parabola has none"),
+    number("inclination", &OrbitSpec::inclination, "rad", kAngle, "of the orbit's plane to x y"),
+    number("node", &OrbitSpec::node, "rad", kAngle, "direction of the ascending node, from x"),
+    number("argument", &OrbitSpec::argument, "rad", kAngle, "of the periapsis, from the node"),
+    number("periapsis_time", &OrbitSpec::periapsis_time, "s", magnitude(1e15),
+           "time of a passage through the periapsis"),
+    number("mean_anomaly", &OrbitSpec::mean_anomaly, "rad", magnitude(1e9),
+           "at time 0, instead of periapsis_time; a parabola has none"),
+    number("gm", &OrbitSpec::gm, "m^3/s^2", kGm,
+           "gravitational parameter of the motion; absent: that of the perturber and the bodies together"),
+};
+
+const Keys<PerturberSpec> kPerturberKeys = {
+    text("name", &PerturberSpec::name, kName, "what messages call it").required(),
+    number("mass", &PerturberSpec::mass, "kg", above(0, 1e40), "this or gm"),
+    number("gm", &PerturberSpec::gm, "m^3/s^2", kGm, "gravitational parameter"),
+    number("radius", &PerturberSpec::radius, "m", within(0, 1e15),
+           "a sphere that touches the ball of this radius stops the run"),
+    flag("tidal", &PerturberSpec::tidal,
+         "true: the zero of the frame falls freely in its pull, which acts less the pull on the zero; false: "
+         "the zero is inertial and the whole pull acts"),
+    vector("position", &PerturberSpec::position, "m", kPosition,
+           "of one at rest; this, orbit, track or track_file"),
+    table("orbit", &PerturberSpec::orbit, kOrbitKeys,
+          "Kepler orbit of the perturber about the zero of the scene's frame. The zero is on the same orbit "
+          "about the perturber, with the argument larger by pi."),
+    rows("track", &PerturberSpec::track, {4, 7}, "s, m, m/s", magnitude(1e15),
+         "places [t, x, y, z] or with velocities [t, x, y, z, vx, vy, vz], from the zero of the scene's "
+         "frame; cubics between, times increase and cover the run"),
+    text("track_file", &PerturberSpec::track_file, kPath,
+         "path of a text file of such rows; '#' begins a comment"),
+};
+
 const Keys<SpinSpec> kSpinKeys = {
     pairs("path", &SpinSpec::path, &SpinPoint::time, &SpinPoint::period, "s", kTime,
           "[time since the start of the stage, spin period]; linear between, times increase")
@@ -211,7 +252,9 @@ const Keys<Scene> kSceneKeys = {
     tables("material", &Scene::materials, kMaterialKeys,
            "Surface of bodies and walls. A pair takes geometric means, of beta the arithmetic mean."),
     table("contact", &Scene::contact, kContactKeys, "The contact law and its time step."),
-    table("gravity", &Scene::gravity, kGravityKeys, "Self-gravity and external field."),
+    table("gravity", &Scene::gravity, kGravityKeys, "Self-gravity and uniform field."),
+    tables("perturber", &Scene::perturbers, kPerturberKeys,
+           "A point mass outside the bodies that pulls on every sphere: a planet, the Sun."),
     tables("stage", &Scene::stages, kStageKeys,
            "A stretch of the run with its own settings; stages follow each other.")
         .required(),

@@ -100,9 +100,9 @@ Setup assemble(const Scene& scene) {
               .origin = body.position});
   }
   if (free) {
-    const Frame own = take_frame(setup.bodies);
-    setup.frame.position += own.position;
-    setup.frame.velocity += own.velocity;
+    setup.shift = take_frame(setup.bodies);
+    setup.frame.position += setup.shift.position;
+    setup.frame.velocity += setup.shift.velocity;
   }
   place_spheres(setup.bodies);
   setup.shapes = shapes.names();

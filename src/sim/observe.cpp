@@ -40,6 +40,8 @@ constexpr Column kColumns[] = {
     {&O::dissipated, "dissipated_work", "J", "lost in contacts since the start"},
     {&O::wall_work, "wall_work", "J", "done by moving walls since the start"},
     {&O::control_work, "control_work", "J", "done by spin control since the start"},
+    {&O::perturber_work, "perturber_work", "J", "done by perturbers since the start"},
+    {&O::perturber_distance, "perturber_distance", "m", "of the nearest from the mass centre; NaN without"},
     {&O::momentum_x, "momentum_x", "kg m/s", "total"},
     {&O::momentum_y, "momentum_y", "kg m/s", "total"},
     {&O::momentum_z, "momentum_z", "kg m/s", "total"},
@@ -47,9 +49,10 @@ constexpr Column kColumns[] = {
     {&O::angular_y, "angular_momentum_y", "kg m^2/s", "total about the mass centre, spins included"},
     {&O::angular_z, "angular_momentum_z", "kg m^2/s", "total about the mass centre, spins included"},
     {&O::momentum_drift, "momentum_drift", "",
-     "|P - P_start| over the sum of |P_b|; NaN with walls, a field or a strain"},
+     "|P - P_start - given by fields| over the sum of |P_b|; NaN with walls or a strain"},
     {&O::angular_drift, "angular_momentum_drift", "",
-     "|L - L_start - given by control| over the sum of |X x P| + |spin|; NaN with walls or a box"},
+     "|L - L_start - given by control and perturbers| over the sum of |X x P| + |spin|; NaN with walls or a "
+     "box"},
     {&O::contacts, "contacts", "", "touching pairs of spheres, walls included"},
     {&O::coordination, "coordination", "", "2 x sphere contacts / spheres"},
     {&O::touching_bodies, "touching_bodies", "", "pairs of bodies that touch, each once"},
@@ -131,10 +134,12 @@ Observation observe(const Physics& physics, State& state, Scratch& scratch, doub
   o.elastic = stored_energy(bodies, physics.contacts, state.contacts) +
               state.walls.stored_energy(bodies, physics.contacts, o.time);
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    o.field -= bodies.mass[b] * physics.field.dot(bodies.position[b]);
+    o.field -= bodies.mass[b] * physics.field.dot(place(bodies, b));
   o.dissipated = ledger.dissipated;
   o.wall_work = ledger.wall_work;
   o.control_work = ledger.control_work;
+  o.perturber_work = ledger.perturbers.work;
+  o.perturber_distance = perturber_distance(physics, state, total.center);
   const Vec3& p = total.momentum;
   const Vec3& l = total.angular_momentum_about_center;
   o.momentum_x = p.x();
@@ -145,13 +150,15 @@ Observation observe(const Physics& physics, State& state, Scratch& scratch, doub
   o.angular_z = l.z();
   const bool walls = !state.walls.empty();
   const auto relative = [](double drift, double scale) { return scale > 0.0 ? drift / scale : drift; };
-  o.momentum_drift = walls || physics.field != Vec3::Zero() || physics.strain_rate != Vec3::Zero()
+  const Vec3 given = ledger.perturbers.momentum + total.mass * o.time * physics.field;
+  o.momentum_drift = walls || physics.strain_rate != Vec3::Zero()
                          ? none
-                         : relative((p - ledger.start_momentum).norm(), total.momentum_scale);
-  o.angular_drift = walls || state.box.periodic()
-                        ? none
-                        : relative((l - ledger.start_angular_momentum - ledger.control_momentum).norm(),
-                                   total.angular_scale_about_center);
+                         : relative((p - ledger.start_momentum - given).norm(), total.momentum_scale);
+  const Vec3 turned = ledger.control_momentum + ledger.perturbers.angular_momentum;
+  o.angular_drift =
+      walls || state.box.periodic()
+          ? none
+          : relative((l - ledger.start_angular_momentum - turned).norm(), total.angular_scale_about_center);
 
   std::size_t contacts = 0;
   for (std::size_t slot = 0; slot < state.contacts.slots(); ++slot) contacts += state.contacts.touching(slot);

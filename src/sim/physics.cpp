@@ -7,6 +7,7 @@
 #include "contact/stiffness.h"
 #include "core/error.h"
 #include "gravity/accuracy.h"
+#include "sim/make_perturbers.h"
 #include "sim/make_walls.h"
 
 namespace cairn {
@@ -173,6 +174,9 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
     density = std::max(density, bodies.mass[b] / bodies.volume[b]);
   p.fall_time = 1.0 / std::sqrt(4.0 / 3.0 * kPi * kGravitationalConstant * density);
   p.field = scene.gravity.field;
+  p.body_mass = std::accumulate(bodies.mass.begin(), bodies.mass.end(), 0.0);
+  p.perturbers = make_perturbers(scene, p.body_mass);
+  p.largest_radius = *std::max_element(bodies.spheres.radius.begin(), bodies.spheres.radius.end());
   p.spin = stage.spin;
   p.strain_rate = stage.strain_rate;
   p.packing = stage.packing;
@@ -207,6 +211,13 @@ std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies) 
   if (spin * dt > 0.3)
     out.push_back(
         fmt::format("a body turns by {:.2g} rad in a step; its motion will not be accurate", spin * dt));
+  for (const gravity::Perturber& p : physics.perturbers) {
+    const double passage = std::sqrt(std::pow(closest(p.orbit), 3) / p.gm);
+    if (p.tidal && dt > 0.01 * passage)
+      out.push_back(
+          fmt::format("the time step of {:.3g} s is long for perturber '{}', which passes in about {:.3g} s",
+                      dt, p.name, passage));
+  }
   return out;
 }
 
@@ -235,6 +246,8 @@ std::string describe_models(const Physics& physics, const Bodies& bodies, bool w
     text += physics.gravity_steps == 0 ? ", evaluated when needed"
                                        : fmt::format(", evaluated every {} steps", physics.gravity_steps);
   if (physics.field != Vec3::Zero()) text += "; uniform field";
+  for (const gravity::Perturber& p : physics.perturbers)
+    text += fmt::format("; perturber '{}' ({})", p.name, p.tidal ? "tide" : "whole pull");
   if (physics.spin) text += "; spin control";
   return text;
 }

@@ -6,6 +6,7 @@
 
 #include "contact/sweep.h"
 #include "gravity/fmm.h"
+#include "gravity/perturber.h"
 #include "io/scene.h"
 #include "sim/state.h"
 
@@ -26,6 +27,9 @@ struct Physics {
   double error = 0.0;                   ///< of the field, asked for
   double fall_time = 0.0;               ///< s, 1/sqrt(4 pi G rho / 3) of the densest body
   Vec3 field = Vec3::Zero();            ///< m/s^2
+  std::vector<gravity::Perturber> perturbers;
+  double body_mass = 0.0;       ///< kg, of all bodies
+  double largest_radius = 0.0;  ///< m, of a sphere
   std::optional<SpinSpec> spin;
   Vec3 strain_rate = Vec3::Zero();  ///< 1/s, of the periodic box
   std::optional<double> packing;    ///< the strain ends there

@@ -9,6 +9,7 @@
 #include "io/xdmf.h"
 #include "sim/display.h"
 #include "sim/fields.h"
+#include "sim/make_perturbers.h"
 #include "sim/make_walls.h"
 
 namespace cairn {
@@ -60,12 +61,15 @@ Run::Run(Scene scene, Setup setup, ResultFile results) : Run(std::move(scene), s
   inherited_ = std::move(setup.contacts);
   state_.bodies = std::move(setup.bodies);
   state_.frame = setup.frame;
+  state_.shift = setup.shift;
   state_.box = setup.box;
   state_.k_n = setup.k_n;
   state_.remnant.assign(state_.bodies.size(), 1);
   prepare_bodies();
   std::vector<TriangleMesh> meshes = load_wall_meshes(scene_);
   write_wall_meshes(results_, meshes);
+  load_tracks(scene_);
+  write_tracks(results_, scene_);
   state_.walls.walls = make_walls(scene_, std::move(meshes));
   for (std::size_t k = 0; k < stages(); ++k)  // a stage that cannot run shall say so now, not after hours
     resolve_physics(scene_, k, state_.bodies,
@@ -120,6 +124,7 @@ Run Run::resume(const std::filesystem::path& path) {
   run.inherited_ = contacts.records();
   state.walls.walls = make_walls(run.scene_, read_wall_meshes(run.results_, run.scene_));
   state.walls.contacts = walls.contacts();
+  read_tracks(run.results_, run.scene_);
   try {
     state.walls.check_contacts(run.sphere_count());
   } catch (const InputError& error) {

@@ -13,6 +13,7 @@ namespace cairn {
 struct Setup {
   Bodies bodies;
   Frame frame;  ///< of the bodies at the start
+  Frame shift;  ///< the same from the zero of the scene
   Box box;
   std::vector<std::string> shapes;      ///< name of each shape number
   std::vector<ContactRecord> contacts;  ///< of a pile read from a file

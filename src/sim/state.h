@@ -38,13 +38,36 @@ struct Control {
   double start_ratio = 0.0;      ///< c/a when control began
 };
 
+/// What perturbers do to all bodies together at one moment.
+struct PerturberRates {
+  Vec3 force = Vec3::Zero();   ///< N
+  Vec3 torque = Vec3::Zero();  ///< N m, about the mass centre
+  double power = 0.0;          ///< W
+
+  PerturberRates& operator+=(const PerturberRates& other) {
+    force += other.force;
+    torque += other.torque;
+    power += other.power;
+    return *this;
+  }
+};
+
+/// What perturbers have given since the start, and their rates at the last evaluation.
+struct PerturberLedger {
+  double work = 0.0;                     ///< J
+  Vec3 momentum = Vec3::Zero();          ///< kg m/s
+  Vec3 angular_momentum = Vec3::Zero();  ///< kg m^2/s, about the mass centre
+  PerturberRates rates;
+};
+
 /// Running totals.
 struct Ledger {
-  double dissipated = 0.0;                     ///< J, lost in contacts
-  double wall_work = 0.0;                      ///< J, done by moving walls
-  double wall_power = 0.0;                     ///< W, of the walls at the last evaluation
-  double control_work = 0.0;                   ///< J, done by spin control
-  Vec3 control_momentum = Vec3::Zero();        ///< kg m^2/s, angular momentum given by spin control
+  double dissipated = 0.0;               ///< J, lost in contacts
+  double wall_work = 0.0;                ///< J, done by moving walls
+  double wall_power = 0.0;               ///< W, of the walls at the last evaluation
+  double control_work = 0.0;             ///< J, done by spin control
+  Vec3 control_momentum = Vec3::Zero();  ///< kg m^2/s, angular momentum given by spin control
+  PerturberLedger perturbers;
   double largest_overlap = 0.0;                ///< over the smaller radius of its pair, of the whole run
   double recent_overlap = 0.0;                 ///< the same since the last row of the series
   Vec3 start_momentum = Vec3::Zero();          ///< kg m/s, total at the start
@@ -54,6 +77,7 @@ struct Ledger {
 struct State {
   Bodies bodies;
   Frame frame;    ///< of the bodies, at the start of the run
+  Frame shift;    ///< the same from the zero of the scene
   Box box;        ///< now
   Strain strain;  ///< of the box, in the stage
   ContactList contacts;

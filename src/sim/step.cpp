@@ -287,6 +287,7 @@ void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inher
   compute_motions(bodies, scratch.spin_mid, 0.0, scratch.motions, state.box.rate);
   begin_wrenches(physics, state, scratch);
   evaluate_contacts(physics, still, state, scratch);
+  add_perturbers(physics, 0.0, state, scratch.perturbers);
 }
 
 void step(const Physics& physics, State& state, Scratch& scratch) {
@@ -327,6 +328,10 @@ void step(const Physics& physics, State& state, Scratch& scratch) {
   {
     ScopedTimer timer(time_of(scratch, Phase::contacts));
     evaluate_contacts(physics, physics.contacts, state, scratch);
+  }
+  if (!physics.perturbers.empty()) {
+    ScopedTimer timer(time_of(scratch, Phase::gravity));
+    add_perturbers(physics, dt, state, scratch.perturbers);
   }
   {
     ScopedTimer timer(time_of(scratch, Phase::motion));

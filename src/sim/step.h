@@ -7,6 +7,7 @@
 #include "contact/candidates.h"
 #include "gravity/direct.h"
 #include "gravity/fmm.h"
+#include "sim/perturbers.h"
 #include "sim/physics.h"
 #include "sim/state.h"
 
@@ -32,6 +33,7 @@ struct Scratch {
   std::vector<Vec3> acceleration;                ///< of gravity, on spheres
   gravity::Wrenches wrenches;                    ///< of gravity, on bodies
   std::vector<Vec3> body_places, sphere_places;  ///< for gravity
+  PerturberScratch perturbers;
   PhaseTimes times{};
 };
 

@@ -57,6 +57,21 @@ BENCHMARK_CAPTURE(whole_step, spheres_40000, "sphere", 1.9995, 34)
     ->UseRealTime();
 BENCHMARK_CAPTURE(whole_step, cubes_5000, "cube", 3.73155, 17)->Unit(benchmark::kMillisecond)->UseRealTime();
 
+/// The pull of one perturber on the packing.
+void perturber(benchmark::State& run, const char* shape, double spacing, int side) {
+  Packing packing(shape, spacing, side);
+  packing.physics.perturbers = {{"Earth", 4e14, 0.0, true, Vec3(2e7, 1e7, 0.0)}};
+  for (auto _ : run) add_perturbers(packing.physics, 1.0, packing.state, packing.scratch.perturbers);
+  run.counters["M_spheres/s"] =
+      benchmark::Counter(1e-6 * static_cast<double>(packing.state.bodies.spheres.size()),
+                         benchmark::Counter::kIsIterationInvariantRate);
+}
+
+BENCHMARK_CAPTURE(perturber, spheres_40000, "sphere", 1.9995, 34)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(perturber, cubes_5000, "cube", 3.73155, 17)->Unit(benchmark::kMillisecond)->UseRealTime();
+
 }  // namespace
 }  // namespace cairn
 

@@ -58,6 +58,18 @@ std::vector<Mistake> mistakes() {
       {"MissingPile", "pile = \"gone.h5\"\n" + kTwo, {"gone.h5"}},
       {"ForeignPile", "pile = \"foreign.h5\"\n" + kTwo, {"foreign.h5", "not a result"}},
       {"TextPile", "pile = \"empty.toml\"\n" + kTwo, {"empty.toml"}},
+      {"PlanetInABall",
+       kTwo + "\n[[perturber]]\nname = \"Earth\"\nmass = 1\nposition = [2, 0.5, 0]\n",
+       {"perturber 'Earth' is 0.5", "sphere 1 of body 1"}},
+      {"NoPlaceForThePlanet",
+       kTwo + "\n[[perturber]]\nname = \"Earth\"\nmass = 1\n",
+       {"perturber[0]", "'orbit'"}},
+      {"MissingTrack",
+       kTwo + "\n[[perturber]]\nname = \"Earth\"\nmass = 1\ntrack_file = \"gone.txt\"\n",
+       {"perturber[0].track_file", "gone.txt"}},
+      {"ShortTrack",
+       kTwo + "\n[[perturber]]\nname = \"Earth\"\nmass = 1\ntrack_file = \"short.txt\"\n",
+       {"perturber[0].track_file", "short.txt:2", "cover the run"}},
       {"TimeStepTooLong",
        with(kTwo, "duration = 3", "duration = 3\ntime_step = 3"),
        {"time_step", "longest safe"}},
@@ -69,6 +81,7 @@ void write_shapes(const Folder& folder) {
   folder.write("empty.toml", "name = \"empty\"\nsphere = []\n");
   folder.write("nan.toml", "name = \"n\"\n[[sphere]]\ncenter = [0, nan, 0]\nradius = 1\n");
   folder.write("negative.toml", "name = \"n\"\n[[sphere]]\ncenter = [0, 0, 0]\nradius = -1\n");
+  folder.write("short.txt", "0 1e7 0 0 0 0 0\n2 1e7 0 0 0 0 0\n");
   write_foreign_hdf5(folder / "foreign.h5");
 }
 

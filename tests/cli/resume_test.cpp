@@ -100,6 +100,43 @@ TEST_F(ResumeInABox, WithoutTheFileOfTheMesh) {
       refused(cairn(folder_, {"run", scene_, "-o", "again.h5"}), {"wall[0].file", "no such mesh file"}));
 }
 
+/// The grains pass a planet from a table while a second one circles them.
+class ResumeAtAPlanet : public Resume {
+ protected:
+  ResumeAtAPlanet() {
+    std::string rows = "# t x y z\n";
+    for (int t = 0; t <= 9000; t += 500)
+      rows += fmt::format("{} {} 6e6 {}\n", t, 5e3 * (t - 5000), 1e-3 * t * t);
+    folder_.write("planet.txt", rows);
+    scene_ = folder_.write(
+        "planets.toml", with(with(kForty, "duration = 5500", "duration = 1000"), "[gravity]", R"([[perturber]]
+name = "planet"
+gm = 2e14
+track_file = "planet.txt"
+[[perturber]]
+name = "moon"
+gm = 1e10
+[perturber.orbit]
+eccentricity = 0.3
+periapsis = 2e6
+[gravity])"));
+  }
+};
+
+TEST_F(ResumeAtAPlanet, WithoutTheFileOfTheTrack) {
+  EXPECT_TRUE(
+      contains(cairn(folder_, {"check", scene_}).out, "perturber 'planet' (tide); perturber 'moon' (tide)"));
+  const Outcome first = cairn(folder_, {"run", scene_, "-o", "stopped.h5"},
+                              {.stop = Stop{SIGINT, 0.7, folder_ / "stopped.h5"}});
+  ASSERT_EQ(first.code, 130) << first.err;
+  EXPECT_TRUE(contents(folder_ / "stopped.h5").contains("/checkpoint/ledger/perturbers/torque"));
+  std::filesystem::remove(folder_ / "planet.txt");
+  ASSERT_TRUE(succeeded(cairn(folder_, {"resume", "stopped.h5"})));
+  EXPECT_TRUE(same_bits(whole_, contents(folder_ / "stopped.h5")));
+  const std::string& work = whole_["/series/perturber_work"];
+  EXPECT_NE(work.find_first_not_of('\0', work.find('|') + 1), std::string::npos);
+}
+
 TEST(Threads, OneAndTwoGiveTheSameBits) {
   const Folder folder;
   const std::string scene = folder.write("clouds.toml", kClouds);

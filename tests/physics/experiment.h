@@ -14,6 +14,7 @@ struct Experiment : Stage {
     Setup setup = assemble(scene);
     state.bodies = std::move(setup.bodies);
     state.frame = setup.frame;
+    state.shift = setup.shift;
     state.box = setup.box;
     place_spheres(state.bodies);
   }

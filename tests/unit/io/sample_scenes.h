@@ -151,6 +151,51 @@ strain_rate = [-0.01, -0.02, 0]
 packing = 0.64
 )";
 
+// A pebble among perturbers of every kind.
+inline const char* const kPerturberScene = R"(
+[[body]]
+shape = "sphere"
+density = 2500
+[[perturber]]
+name = "Earth"
+gm = 3.986004e14
+radius = 6.371e6
+tidal = true
+[perturber.orbit]
+eccentricity = 1.5
+periapsis = 2e7
+inclination = 0.5
+node = -1
+argument = 2
+periapsis_time = 5000
+gm = 4e14
+[[perturber]]
+name = "Sun"
+mass = 1.989e30
+[perturber.orbit]
+eccentricity = 0.2
+semi_major_axis = 1.5e11
+mean_anomaly = 1.25
+[[perturber]]
+name = "Moon"
+mass = 7.3e22
+tidal = false
+track = [[0, 1e8, 0, 0, 0, 1e3, 0], [10000, 1e8, 1e7, 0, 0, 1e3, 0]]
+[[perturber]]
+name = "Io"
+mass = 9e22
+track_file = "io.txt"
+[[perturber]]
+name = "rock"
+mass = 1e12
+position = [1e3, 0, 0]
+[gravity]
+method = "none"
+[[stage]]
+name = "pass"
+duration = 10000
+)";
+
 // As little as a scene can say.
 inline const char* const kShortScene = R"(
 [[body]]

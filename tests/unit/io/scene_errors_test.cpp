@@ -237,6 +237,93 @@ TEST(SceneErrors, Stages) {
   EXPECT_EQ(error_of(kGood + "[contact]\nmax_overlap = 0.05\noverlap_limit = 0.05"), "no error");
 }
 
+TEST(SceneErrors, Perturbers) {
+  const std::string one = kGood + "[[perturber]]\nname = 'P'\n";  // lines 7 and 8
+  const std::string moon = one + "mass = 1\n";                    // line 9; the test adds from line 10 on
+  EXPECT_EQ(error_of(moon + "position = [1, 0, 0]"), "no error");
+  expect_errors(
+      one,
+      {{"position = [1, 0, 0]", "s.toml:7:1: key 'perturber[0]': expected one of the keys 'mass' or 'gm'"},
+       {"mass = 1\ngm = 1\nposition = [1, 0, 0]",
+        "s.toml:10:6: key 'perturber[0].gm': expected only one of 'mass' or 'gm'"},
+       {"mass = 1\norbit = 3",
+        "s.toml:10:9: key 'perturber[0].orbit': expected a table [perturber.orbit], found an integer"}});
+  expect_errors(
+      moon,
+      {{"",
+        "s.toml:7:1: key 'perturber[0]': expected one of the keys 'position', 'orbit', 'track' or "
+        "'track_file'"},
+       {"position = [1, 0, 0]\n[perturber.orbit]\neccentricity = 0\nperiapsis = 1",
+        "s.toml:11:1: key 'perturber[0].orbit': expected only one of 'position', 'orbit', 'track' or "
+        "'track_file'"},
+       {"position = [0, 0, 0]",
+        "s.toml:10:12: key 'perturber[0].position': expected a place other than the zero, which falls freely "
+        "in its pull unless tidal = false"},
+       {"orbit = { eccentricity = -0.1 }",
+        "s.toml:10:26: key 'perturber[0].orbit.eccentricity': expected 0 <= x <= 1e6, found -0.1"},
+       {"orbit = { eccentricity = 0.5 }",
+        "s.toml:10:9: key 'perturber[0].orbit': expected one of the keys 'periapsis' or 'semi_major_axis'"},
+       {"orbit = { eccentricity = 0.5, periapsis = 1, semi_major_axis = 2 }",
+        "s.toml:10:64: key 'perturber[0].orbit.semi_major_axis': expected only one of 'periapsis' or "
+        "'semi_major_axis'"},
+       {"orbit = { eccentricity = 0.5, semi_major_axis = -2 }",
+        "s.toml:10:49: key 'perturber[0].orbit.semi_major_axis': expected above 0 for the eccentricity 0.5, "
+        "found -2"},
+       {"orbit = { eccentricity = 1.5, semi_major_axis = 2 }",
+        "s.toml:10:49: key 'perturber[0].orbit.semi_major_axis': expected below 0 for the eccentricity 1.5, "
+        "found 2"},
+       {"orbit = { eccentricity = 1, periapsis = 2, mean_anomaly = 0 }",
+        "s.toml:10:59: key 'perturber[0].orbit.mean_anomaly': a parabola (eccentricity 1) has none"},
+       {"orbit = { eccentricity = 0, periapsis = 2, periapsis_time = 1, mean_anomaly = 0 }",
+        "s.toml:10:79: key 'perturber[0].orbit.mean_anomaly': expected only one of 'periapsis_time' or "
+        "'mean_anomaly'"},
+       {"track = [[0, 1, 0, 0], [1, 1, 0, 0]]",
+        "s.toml:10:9: key 'perturber[0].track': expected at least 4 rows without velocities, found 2"},
+       {"track = [[0, 1, 0, 0, 0, 0, 0]]",
+        "s.toml:10:9: key 'perturber[0].track': expected at least 2 rows, found 1"},
+       {"track = [[0, 1, 0]]",
+        "s.toml:10:10: key 'perturber[0].track[0]': expected a row of 4 or 7 numbers in s, m, m/s, found 3"},
+       {"track = [[0, 1, 0, 0], [1, 1, 0, 0, 0, 0, 0]]",
+        "s.toml:10:24: key 'perturber[0].track[1]': expected a row of 4 numbers in s, m, m/s, found 7"},
+       {"track = [[0, 1, 0, 0], 3]",
+        "s.toml:10:24: key 'perturber[0].track[1]': expected a row of 4 numbers in s, m, m/s, found an "
+        "integer"},
+       {"track = [[0, 1, 0, 0], [2, 1, 0, 0], [2, 1, 0, 0], [3, 1, 0, 0]]",
+        "s.toml:10:38: key 'perturber[0].track[2]': expected a time after 2 s, found 2"},
+       {"track = [[0, 1, 0, 0, 0, 0, 0], [0.5, 1, 0, 0, 0, 0, 0]]",
+        "s.toml:10:9: key 'perturber[0].track': expected times that cover the run, 0 to 1 s, found 0 to 0.5 "
+        "s"},
+       {"position = [1, 0, 0]\n[gravity]\nmethod = 'none'\n[box]\nsize = [9, 0, 9]",
+        "s.toml:7:1: key 'perturber[0]': has no meaning in a periodic box"}});
+}
+
+TEST(SceneErrors, TrackFiles) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "cairn_track.txt";
+  const auto error = [&](const std::string& text) -> std::string {
+    std::ofstream(path) << text;
+    try {
+      read_track_file(path, 10.0);
+    } catch (const InputError& caught) {
+      const std::string what = caught.what();
+      return what.starts_with(path.string()) ? what.substr(path.string().size()) : what;
+    }
+    return "no error";
+  };
+  EXPECT_EQ(error("# t x y z\n0 1e3, 2e3,\t+3\n\n5, 4 5 6 # half\r\n8 1 1 1\n10 7 8 9"), "no error");
+  EXPECT_EQ(read_track_file(path, 10.0)[1], (std::vector<double>{5.0, 4.0, 5.0, 6.0}));
+  EXPECT_EQ(error("0 1 2 3 4 5 6\n10 7 8 9 0 0 0\n"), "no error");
+  EXPECT_EQ(error("0 1 2 3\n5 4 x 6\n"), ":2: expected a number of at most 1e15, found 'x'");
+  EXPECT_EQ(error("0 1 2 3\n5 4 nan 6\n"), ":2: expected a number of at most 1e15, found 'nan'");
+  EXPECT_EQ(error("0 1 2\n"), ":1: expected a row of 4 or 7 numbers, found 3");
+  EXPECT_EQ(error("0 1 2 3\n\n5 4 4\n"), ":3: expected a row of 4 numbers, found 3");
+  EXPECT_EQ(error("0 1 2 3\n5 1 2 3\n# x\n4 1 2 3\n10 0 0 0\n"), ":4: expected a time after 5 s, found 4");
+  EXPECT_EQ(error("0 1 2 3\n5 1 2 3\n6 1 2 3\n9 0 0 0\n"),
+            ":4: expected times that cover the run, 0 to 10 s, found 0 to 9 s");
+  EXPECT_EQ(error(""), ":1: expected at least 4 rows without velocities, found 0");
+  std::filesystem::remove(path);
+  EXPECT_THROW(read_track_file(path, 10.0), InputError);
+}
+
 TEST(SceneErrors, HostileTexts) {
   std::string deep_key, distinct, rows, brackets = "a = ";
   for (int i = 0; i < 1'000'000; ++i) deep_key += "a.";

@@ -148,6 +148,35 @@ TEST(Scene, FrameBoxAndStrainArrive) {
   EXPECT_EQ(scene.stages[0].packing, 0.64);
 }
 
+TEST(Scene, PerturbersArrive) {
+  const Scene scene = parse(kPerturberScene);
+  ASSERT_EQ(scene.perturbers.size(), 5u);
+  const PerturberSpec &earth = scene.perturbers[0], &sun = scene.perturbers[1], &moon = scene.perturbers[2];
+  EXPECT_EQ(earth.name, "Earth");
+  EXPECT_EQ(earth.gm, 3.986004e14);
+  EXPECT_FALSE(earth.mass);
+  EXPECT_EQ(earth.radius, 6.371e6);
+  EXPECT_TRUE(earth.tidal);
+  ASSERT_TRUE(earth.orbit);
+  EXPECT_EQ(earth.orbit->eccentricity, 1.5);
+  EXPECT_EQ(earth.orbit->periapsis, 2e7);
+  EXPECT_EQ(earth.orbit->inclination, 0.5);
+  EXPECT_EQ(earth.orbit->node, -1.0);
+  EXPECT_EQ(earth.orbit->argument, 2.0);
+  EXPECT_EQ(earth.orbit->periapsis_time, 5000.0);
+  EXPECT_EQ(earth.orbit->gm, 4e14);
+  EXPECT_EQ(sun.mass, 1.989e30);
+  ASSERT_TRUE(sun.orbit);
+  EXPECT_EQ(sun.orbit->semi_major_axis, 1.5e11);
+  EXPECT_EQ(sun.orbit->mean_anomaly, 1.25);
+  EXPECT_FALSE(moon.tidal);
+  ASSERT_EQ(moon.track.size(), 2u);
+  EXPECT_EQ(moon.track[1], (std::vector<double>{1e4, 1e8, 1e7, 0.0, 0.0, 1e3, 0.0}));
+  EXPECT_EQ(scene.perturbers[3].track_file, "io.txt");
+  EXPECT_EQ(scene.perturbers[4].position, Vec3(1e3, 0, 0));
+  EXPECT_EQ(total_duration(scene), 1e4);
+}
+
 TEST(Scene, LeftOutKeysKeepTheDefaultsOfTheStructs) {
   const Scene scene = parse(kShortScene);
   const Scene plain;
@@ -211,7 +240,7 @@ std::string without_indices(std::string key) {
 TEST(SceneKeys, SamplesCoverEveryKey) {
   std::set<std::string> keys, given;
   collect(scene_keys().infos, "", keys);
-  for (const char* const text : {kPileScene, kBodyScene, kBoxScene})
+  for (const char* const text : {kPileScene, kBodyScene, kBoxScene, kPerturberScene})
     for (const std::string& key : parse(text).sources.keys()) given.insert(without_indices(key));
   EXPECT_EQ(given, keys);
   EXPECT_GT(keys.size(), 70u);

@@ -39,7 +39,12 @@ State state_of_many_numbers() {
   s.remnant = {1, 0, 1};
   s.clock = {2, 30, 40, 500, number(), number()};
   s.control = {true, true, number(), number(), number(), number()};
-  s.ledger = {number(), number(), number(), number(), vector(), number(), number(), vector(), vector()};
+  s.frame = {vector(), vector()};
+  s.shift = {vector(), vector()};
+  s.ledger = {number(), number(), number(),
+              number(), vector(), {number(), vector(), vector(), {vector(), vector(), number()}},
+              number(), number(), vector(),
+              vector()};
   s.k_n = number();
   return s;
 }
@@ -121,6 +126,16 @@ TEST(Checkpoint, HoldsTheWholeState) {
   EXPECT_EQ(r.ledger.dissipated, s.ledger.dissipated);
   EXPECT_EQ(r.ledger.control_work, s.ledger.control_work);
   EXPECT_EQ(r.ledger.control_momentum, s.ledger.control_momentum);
+  EXPECT_EQ(r.ledger.perturbers.work, s.ledger.perturbers.work);
+  EXPECT_EQ(r.ledger.perturbers.momentum, s.ledger.perturbers.momentum);
+  EXPECT_EQ(r.ledger.perturbers.angular_momentum, s.ledger.perturbers.angular_momentum);
+  EXPECT_EQ(r.ledger.perturbers.rates.force, s.ledger.perturbers.rates.force);
+  EXPECT_EQ(r.ledger.perturbers.rates.torque, s.ledger.perturbers.rates.torque);
+  EXPECT_EQ(r.ledger.perturbers.rates.power, s.ledger.perturbers.rates.power);
+  EXPECT_EQ(r.frame.position, s.frame.position);
+  EXPECT_EQ(r.frame.velocity, s.frame.velocity);
+  EXPECT_EQ(r.shift.position, s.shift.position);
+  EXPECT_EQ(r.shift.velocity, s.shift.velocity);
   EXPECT_EQ(r.ledger.largest_overlap, s.ledger.largest_overlap);
   EXPECT_EQ(r.ledger.recent_overlap, s.ledger.recent_overlap);
   EXPECT_EQ(r.ledger.start_momentum, s.ledger.start_momentum);
