@@ -89,11 +89,16 @@ std::pair<double, double> trace_of_stress(Experiment& e) {
     contacts -= apart.dot(Eigen::Map<const Vec3>(e.state.contacts.wrench[slot].force));
   }
   const SpinState whole = spin_state(bodies, all_bodies(bodies));
-  double virial = -gravitational_energy(e.physics, bodies, e.scratch);  // renews the acceleration as well
+  double virial = -gravitational_energy(e.physics, e.state, e.scratch);
   for (std::size_t b = 0; b < bodies.size(); ++b)
     virial -= bodies.mass[b] * (bodies.velocity[b] - whole.velocity).squaredNorm();
   for (std::size_t i = 0; i < s.size(); ++i)
-    virial += (s.position[i] - bodies.position[s.body[i]]).dot(s.mass[i] * e.scratch.acceleration[i]);
+    for (std::size_t j = 0; j < s.size(); ++j) {
+      if (s.body[i] == s.body[j]) continue;
+      const Vec3 d = s.position[j] - s.position[i];
+      const Vec3 pull = kGravitationalConstant * s.mass[i] * s.mass[j] / std::pow(d.norm(), 3) * d;
+      virial += (s.position[i] - bodies.position[s.body[i]]).dot(pull);
+    }
   return {contacts, virial};
 }
 
