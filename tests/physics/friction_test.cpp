@@ -299,7 +299,8 @@ TEST(ObliqueBlow, ConstantNormalVelocityAndVaryingSlip) {
   report::plot("oblique-slip", "Slip after against slip before a blow, both over the normal velocity.",
                {"slip before / normal velocity", "slip after / normal velocity"}, curves);
   report::note(
-      "The layout is that of Chung & Ooi 2011, tests 3 to 8. Their reference curves are those of a Hertzian "
+      "The layout is that of Chung & Ooi 2011, tests 3 to 8 (test 3, restitution in normal blows, is the "
+      "suite Restitution). Their reference curves are those of a Hertzian "
       "contact; the linear law with k_S = (2/7) k_N has closed forms of its own: below "
       "u_t / u_n = (7/2) mu_S an elastic contact sticks from first to last, above it slides from first to "
       "last. A damped contact slides as its closed form says as long as the slip does not turn back; one "

@@ -139,6 +139,9 @@ material = 'surface'
   const auto [contacts, virial] = trace_of_stress(e);
   report::close("that pile, rough and cohesive aggregates that spin: volume integral of I1, J",
                 "virial: -W - 2 K_rot + sum of (x_i - X).(m_i g_i)", contacts, virial, 1e-3);
+  report::note(
+      "A settled pile that spins freely keeps its angular momentum to rounding; what its period "
+      "changes by is the pile's own settling. The user need do nothing.");
   report::plot("pile-spin", "Drift of a settled pile that spins freely.",
                {"steps", "relative drift", true, true}, {momentum.curve, period.curve});
 }
