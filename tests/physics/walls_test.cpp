@@ -96,6 +96,32 @@ TEST(Walls, EveryKindGivesTheRestitutionAskedFor) {
   }
 }
 
+TEST(Walls, AMovingPlaneStrikesASphereAndItsWorkIsKnown) {
+  constexpr double speed = 0.1, asked = 0.55;
+  constexpr int phases = 8;
+  double worst = 0.0, astray = 0.0;
+  for (int phase = 0; phase < phases; ++phase) {
+    Experiment e(scene(std::string(kSmooth) + "restitution_normal = 0.55\n",
+                       ball(1.0, "position = [0, 0, 1.001]") +
+                           fmt::format("[[wall]]\nkind = 'plane'\nvelocity = [0, 0, {}]\n", speed)));
+    e.scene.gravity.field.setZero();
+    e.begin();
+    e.state.bodies.position[0].z() = 1.0 + speed * e.physics.contacts.dt * (1.0 + (phase + 0.5) / phases);
+    e.begin();
+    while (!e.touching()) e.advance(1);
+    while (e.touching()) e.advance(1);
+    const Ledger& ledger = e.state.ledger;
+    worst = std::max(
+        worst, std::abs(ledger.wall_work / (e.state.bodies.mass[0] * (1.0 + asked) * speed * speed) - 1.0));
+    astray = std::max(astray,
+                      std::abs(ledger.wall_work - e.kinetic_energy() - ledger.dissipated) / ledger.wall_work);
+  }
+  report::error("plane that strikes a sphere at rest, e = 0.55: its work, worst of 8 phases, relative",
+                "m (1 + e) V^2", worst, 2e-3);
+  report::error("the same: what of its work is neither kinetic energy nor dissipated, worst, relative",
+                "energy gained and lost", astray, 1e-3);
+}
+
 TEST(Walls, EveryKindCarriesASphereAtRest) {
   const Folder folder;
   for (const Kind& kind : kinds(folder)) {
