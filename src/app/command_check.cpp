@@ -64,7 +64,7 @@ void check(const Options& options) {
         physics.k_n, physics.contact_time, physics.contacts.dt, kLongestSafeStep * physics.contact_time,
         physics.steps, scene.stages[k].duration);
     if (k == 0)
-      for (const std::string& w : warnings(physics, setup.bodies)) fmt::print("  warning    {}\n", w);
+      for (const std::string& w : warnings(physics, setup.bodies, walls)) fmt::print("  warning    {}\n", w);
   }
   constexpr double bytes_per_sphere = 900.0;  // spheres, bodies, and six contacts with their histories
   fmt::print(

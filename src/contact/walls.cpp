@@ -284,7 +284,9 @@ void Walls::set_damping(const Bodies& bodies, const SweepSettings& settings, con
 
 WallReport Walls::sweep(const std::vector<SphereMotion>& motions, const SweepSettings& settings, double time,
                         WallCandidates& candidates, Bodies& bodies) {
-  const std::vector<WallPose> end = poses(time), middle = poses(time - 0.5 * settings.dt);
+  const std::vector<WallPose> end = poses(time);
+  std::vector<WallPose> middle;
+  for (const Wall& wall : walls) middle.push_back(wall.motion.mid_step(time, settings.dt));
   const Sweeper sweeper(*this, motions, settings, end, middle, bodies);
   constexpr std::size_t size = WallCandidates::kBlock;
   const std::size_t blocks = (bodies.size() + size - 1) / size;

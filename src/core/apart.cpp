@@ -2,11 +2,13 @@
 
 #include <fcntl.h>
 #include <sys/resource.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstring>
 
@@ -16,8 +18,10 @@ namespace cairn {
 namespace {
 
 constexpr rlim_t kBytes = rlim_t{8} << 30;
-#if defined(__SANITIZE_ADDRESS__) || defined(__clang__)  // clang builds the fuzzers only
-constexpr bool kSanitized = true;                        // which reserves terabytes
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool kSanitized = true;
+#elif defined(__has_feature)
+constexpr bool kSanitized = __has_feature(address_sanitizer);  // which reserves terabytes
 #else
 constexpr bool kSanitized = false;
 #endif
@@ -42,10 +46,12 @@ std::string read_all(int from) {
   }
 }
 
-[[noreturn]] void run_child(const std::function<std::string()>& work, unsigned seconds, int to) {
-  for (const int signal : {SIGINT, SIGTERM, SIGSEGV, SIGABRT}) std::signal(signal, SIG_DFL);
-  const rlimit time{seconds, seconds + 1};  // a signal that tells why, then the end
-  setrlimit(RLIMIT_CPU, &time);
+[[noreturn]] void run_child(const std::function<std::string()>& work, double seconds, int to) {
+  for (const int signal : {SIGINT, SIGTERM, SIGSEGV, SIGABRT, SIGPROF}) std::signal(signal, SIG_DFL);
+  double whole = 0.0;
+  const double part = std::modf(seconds, &whole);
+  const itimerval time{{0, 0}, {static_cast<time_t>(whole), static_cast<suseconds_t>(1e6 * part)}};
+  setitimer(ITIMER_PROF, &time, nullptr);  // ends the child by SIGPROF
   const rlimit bytes{kBytes, kBytes};
   if (!kSanitized) setrlimit(RLIMIT_AS, &bytes);
   if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0)
@@ -64,7 +70,7 @@ std::string read_all(int from) {
 
 }  // namespace
 
-std::string run_apart(const std::function<std::string()>& work, unsigned seconds) {
+std::string run_apart(const std::function<std::string()>& work, double seconds) {
   int ends[2];
   if (pipe(ends) != 0) throw InputError("no pipe to another process: {}", std::strerror(errno));
   const pid_t child = fork();
@@ -82,8 +88,8 @@ std::string run_apart(const std::function<std::string()>& work, unsigned seconds
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || answer.empty())
-    throw InputError("cannot be read: {}", WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU
-                                               ? fmt::format("it takes more than {} s", seconds)
+    throw InputError("cannot be read: {}", WIFSIGNALED(status) && WTERMSIG(status) == SIGPROF
+                                               ? fmt::format("it takes more than {:g} s", seconds)
                                                : "the reader broke down over it");
   if (answer.front() == kComplaint) throw InputError("{}", answer.substr(1));
   return answer.substr(1);

@@ -8,6 +8,6 @@ namespace cairn {
 
 /// What `work` returns, done in a child process with at most `seconds` of computing and 8 GB of memory.
 /// @throws InputError with the message of what was thrown there, or one that says how the child ended.
-std::string run_apart(const std::function<std::string()>& work, unsigned seconds = 60);
+std::string run_apart(const std::function<std::string()>& work, double seconds = 60.0);
 
 }  // namespace cairn

@@ -155,15 +155,8 @@ TriangleMesh weld(const TriangleMesh& mesh, double tolerance) {
   return out;
 }
 
-TriangleMesh parse_mesh(std::string_view bytes, const std::string& kind, const std::string& name, double unit,
-                        unsigned seconds) {
-  if (kind != "obj" && kind != "stl" && kind != "ply" && kind != "off")
-    throw InputError("{}: not a mesh file that can be read; expected .obj, .stl, .ply or .off", name);
-  // Broken files make assimp 5.2 write beyond its memory, hang, or ask for any amount of it.
-  const std::string packed =
-      naming(name, [&] { return run_apart([&] { return import(bytes, kind); }, seconds); });
-  std::string_view rest = packed;
-  const auto vertices = unpack<std::array<float, 3>>(rest);
+TriangleMesh make_mesh(const std::vector<std::array<float, 3>>& vertices, std::vector<Triangle> triangles,
+                       const std::string& name, double unit) {
   TriangleMesh mesh;
   for (const auto& [x, y, z] : vertices) {
     mesh.vertices.push_back(unit * Vec3(x, y, z));
@@ -171,7 +164,7 @@ TriangleMesh parse_mesh(std::string_view bytes, const std::string& kind, const s
       throw InputError("{}: vertex {} is not finite or farther than {:g} m from the origin", name,
                        mesh.vertices.size() - 1, kLargest);
   }
-  mesh.triangles = unpack<Triangle>(rest);
+  mesh.triangles = std::move(triangles);
   Vec3 low = Vec3::Constant(kLargest), high = -low;
   for (const Vec3& x : mesh.vertices) {
     low = low.cwiseMin(x);
@@ -182,6 +175,18 @@ TriangleMesh parse_mesh(std::string_view bytes, const std::string& kind, const s
   if (mesh.triangles.empty())
     throw InputError("{}: {}", name, given == 0 ? "holds no triangle" : "holds no triangle with an area");
   return mesh;
+}
+
+TriangleMesh parse_mesh(std::string_view bytes, const std::string& kind, const std::string& name, double unit,
+                        double seconds) {
+  if (kind != "obj" && kind != "stl" && kind != "ply" && kind != "off")
+    throw InputError("{}: not a mesh file that can be read; expected .obj, .stl, .ply or .off", name);
+  // Broken files make assimp 5.2 write beyond its memory, hang, or ask for any amount of it.
+  const std::string packed =
+      naming(name, [&] { return run_apart([&] { return import(bytes, kind); }, seconds); });
+  std::string_view rest = packed;
+  const auto vertices = unpack<std::array<float, 3>>(rest);
+  return make_mesh(vertices, unpack<Triangle>(rest), name, unit);
 }
 
 TriangleMesh load_mesh(const std::filesystem::path& path, double unit) {

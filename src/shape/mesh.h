@@ -26,7 +26,12 @@ TriangleMesh load_mesh(const std::filesystem::path& path, double unit);
 /// The same from the bytes of a file called `name`; `kind` is "obj", "stl", "ply" or "off". Files that take
 /// more than `seconds` of computing are refused.
 TriangleMesh parse_mesh(std::string_view bytes, const std::string& kind, const std::string& name, double unit,
-                        unsigned seconds = 60);
+                        double seconds = 60.0);
+
+/// The mesh of a file called `name` from the vertices and corners that it holds.
+TriangleMesh make_mesh(const std::vector<std::array<float, 3>>& vertices,
+                       std::vector<std::array<std::uint32_t, 3>> triangles, const std::string& name,
+                       double unit);
 
 /// The same surface with vertices within `tolerance` (m) of each other welded, without triangles that have no
 /// area or repeat another's vertices. Vertices that no triangle uses are left out.

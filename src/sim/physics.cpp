@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "contact/stiffness.h"
@@ -190,25 +191,29 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   return p;
 }
 
-std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies) {
+std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies,
+                                  const std::vector<Wall>& walls) {
   std::vector<std::string> out;
   const auto& radii = bodies.spheres.radius;
-  const double speed = closing_speed(bodies), smallest = *std::min_element(radii.begin(), radii.end());
+  const double of_walls = greatest_wall_speed(bodies, walls), speed = closing_speed(bodies) + of_walls,
+               smallest = *std::min_element(radii.begin(), radii.end());
+  const char* what = of_walls > 0.0 ? "bodies and walls" : "bodies";
   const double dt = physics.contacts.dt;
   double spin = 0.0;
   for (std::size_t b = 0; b < bodies.size(); ++b) spin = std::max(spin, angular_velocity(bodies, b).norm());
   const double overlap = speed * physics.contact_time / kPi / smallest;
   if (overlap > physics.overlap_limit)
     out.push_back(
-        fmt::format("bodies that meet at {:.3g} m/s would overlap by about {:.2g} of the smallest "
+        fmt::format("{} that meet at {:.3g} m/s would overlap by about {:.2g} of the smallest "
                     "radius; overlap_limit is {:g}: raise impact_speed or stiffness",
-                    speed, overlap, physics.overlap_limit));
+                    what, speed, overlap, physics.overlap_limit));
   if (speed * dt > 0.5 * smallest)
     out.push_back(
-        fmt::format("bodies move by {:.3g} of the smallest radius in a step and may pass through each "
+        fmt::format("{} move by {:.3g} of the smallest radius in a step and may pass through each "
                     "other unseen",
-                    speed * dt / smallest));
-  if (spin * dt > 0.3)
+                    what, speed * dt / smallest));
+  constexpr double far = 0.3;  // rad
+  if (spin * dt > far)
     out.push_back(
         fmt::format("a body turns by {:.2g} rad in a step; its motion will not be accurate", spin * dt));
   for (const gravity::Perturber& p : physics.perturbers) {
@@ -217,6 +222,30 @@ std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies) 
       out.push_back(
           fmt::format("the time step of {:.3g} s is long for perturber '{}', which passes in about {:.3g} s",
                       dt, p.name, passage));
+  }
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    const WallMotion& motion = walls[w].motion;
+    const double turn = motion.spin.norm() * dt;
+    const double swing = motion.amplitude == Vec3::Zero() ? 0.0 : 2.0 * kPi * motion.frequency * dt;
+    const auto say = [&](const char* does, double angle) {
+      if (angle > far)
+        out.push_back(fmt::format(
+            "wall {} {} by {:.2g} rad in a step; its motion will not be followed: take a time_step "
+            "of at most {:.2g} s",
+            w, does, angle, far / angle * dt));
+    };
+    say("turns", turn);
+    say("oscillates", swing);
+  }
+  if (bodies.cell_edge == 0.0) {  // with walls or a box places are counted from the zero of the scene
+    double reach = 0.0;
+    for (const Vec3& x : bodies.position) reach = std::max(reach, x.cwiseAbs().maxCoeff());
+    const double rounding = std::numeric_limits<double>::epsilon() * reach / smallest;
+    if (rounding > 1e-9)
+      out.push_back(
+          fmt::format("places {:.2g} m from the zero are rounded to {:.1g} of the smallest radius: count the "
+                      "positions of bodies and walls from a point near them, which [frame] can name",
+                      reach, rounding));
   }
   return out;
 }

@@ -49,9 +49,11 @@ double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bo
 /// @throws InputError when the time step is longer than the longest safe one, or cohesion too strong for k_n.
 Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bodies, double k_n);
 
-/// What looks wrong about the bodies' motion at the start of a stage: blows deeper than the overlap limit,
-/// bodies that could pass through each other or turn too far in one step.
-std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies);
+/// What looks wrong about the motion of bodies and walls at the start of a stage: blows deeper than the
+/// overlap limit, what could pass through each other unseen, turns or swings too far in one step, or is too
+/// far away.
+std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies,
+                                  const std::vector<Wall>& walls);
 
 /// The part of the box that the bodies fill; those glued of overlapping spheres count by their mass model.
 double packing_fraction(const Physics& physics, const Box& box);

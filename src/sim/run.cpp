@@ -92,7 +92,7 @@ Run::Run(Scene scene, Setup setup, ResultFile results) : Run(std::move(scene), s
 
 std::vector<std::string> Run::warnings() const {
   const double k_n = resolve_stiffness(scene_, 0, state_.bodies, state_.walls.walls);
-  return cairn::warnings(resolve_physics(scene_, 0, state_.bodies, k_n), state_.bodies);
+  return cairn::warnings(resolve_physics(scene_, 0, state_.bodies, k_n), state_.bodies, state_.walls.walls);
 }
 
 void Run::prepare_bodies() {

@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
   constexpr const char* kinds[] = {"obj", "off", "ply", "stl"};
   const std::string_view bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
   try {
-    const cairn::TriangleMesh mesh = cairn::parse_mesh(bytes, kinds[data[0] % 4], "fuzz", 1.0, 1);
+    const cairn::TriangleMesh mesh = cairn::parse_mesh(bytes, kinds[data[0] % 4], "fuzz", 1.0, 0.02);
     if (mesh.triangles.empty()) std::abort();
     for (const cairn::Vec3& x : mesh.vertices)
       if (!x.allFinite()) std::abort();

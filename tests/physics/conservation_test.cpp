@@ -58,7 +58,6 @@ duration = 1e6
     bodies.spin[b] += bodies.mass[b] * bodies.length[b] * 0.1 * speed * random.in_ball();
   }
   pile.scene.stages[0].impact_speed = 0.2 * speed;
-  pile.scene.stages[0].impact_speed = 0.2 * speed;
   pile.begin();
   return pile;
 }

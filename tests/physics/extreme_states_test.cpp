@@ -99,7 +99,8 @@ TEST(ExtremeStates, NothingMovesWithoutACause) {
   EXPECT_EQ(e.kinetic_energy(), 0.0);
   report::note(
       "Without gravity, friction and motion not one bit changes in 10 000 steps. Where nothing loads the "
-      "contacts no stiffness can be chosen and the program asks for contact.stiffness.");
+      "contacts no stiffness can be chosen and the program asks for contact.stiffness. Friction coefficients "
+      "of zero leave the springs that they limit out of the run.");
 }
 
 TEST(ExtremeStates, NumbersTooSmallForFullPrecision) {
@@ -133,8 +134,9 @@ TEST(ExtremeStates, NumbersTooSmallForFullPrecision) {
     EXPECT_LE(std::abs(mechanical_energy(e) + e.state.ledger.dissipated - energy),
               1e-3 * std::abs(energy) + 1e-3);
   }
-  report::note("Speeds, spins and springs down to 5e-324 pass without a NaN; nothing is flushed to zero.");
-  report::note("Speeds, spins and springs down to 5e-324 pass without a NaN; nothing is flushed to zero.");
+  report::note(
+      "Speeds, spins and springs down to 5e-324 pass without a NaN; nothing is flushed to zero, and the user "
+      "need do nothing.");
 }
 
 TEST(ExtremeStates, TheLastContactEndsAndAnotherBegins) {
@@ -170,6 +172,10 @@ TEST(ExtremeStates, TheLastContactEndsAndAnotherBegins) {
     report::error(
         fmt::format("blow {} of the same two bodies against the first: velocity after, m/s", blow + 1),
         "the same bits", (left[blow] - left[0]).norm() + (spun[blow] - spun[0]).norm(), 0.0);
+  report::note(
+      "When the last contact of a scene has ended nothing of it is left: the next blow is the first one "
+      "again, "
+      "bit for bit. The user need do nothing.");
 }
 
 }  // namespace

@@ -180,6 +180,21 @@ TEST(Frames, PartsOfABinaryAreAsGoodAsOneAlone) {
   report::error("the same: places in the part, in radii", "that part alone", place / 4.0, 1e-9);
 }
 
+TEST(Frames, PlacesTooFarFromTheZeroAreWarnedOf) {
+  // Walls stay where they are, and their bodies with them: no frame of their own.
+  const auto said = [](double height) {
+    Experiment e(scene_text({}, "stiffness = 1e6", "",
+                            body({.position = {0, 0, height + 1.0}}) + wall(Vec3::UnitZ(), {0, 0, height})));
+    e.begin();
+    return fmt::format("{}", fmt::join(warnings(e.physics, e.state.bodies, e.state.walls.walls), "\n"));
+  };
+  EXPECT_EQ(said(1e6), "");
+  const std::string far = said(1e10);
+  EXPECT_NE(far.find("places 1e+10 m from the zero are rounded to 2e-06 of the smallest radius"),
+            std::string::npos)
+      << far;
+}
+
 TEST(Frames, BinaryKeepsItsAngularMomentum) {
   const double apart = 1e9;
   for (const bool wide : {false, true}) {
@@ -202,9 +217,11 @@ TEST(Frames, BinaryKeepsItsAngularMomentum) {
   }
   report::note(
       "Far from the origin and far apart: places are kept in cells, so a pile 1.5e11 m away and each part of "
-      "a binary "
-      "behave as one at the origin. Give single bodies that touch each other there from a [frame] near "
-      "them.");
+      "a binary behave as one at the origin. Give single bodies that touch each other there from a [frame] "
+      "near "
+      "them. With walls or a periodic box places are counted from the zero of the scene; the program warns "
+      "where "
+      "that costs more than 1e-9 of a radius.");
 }
 
 }  // namespace

@@ -33,6 +33,7 @@ struct Layout {
 struct Sample {
   std::vector<Grain> grains;
   Material materials[2];
+  std::optional<PlaneSurface> wall = {};  ///< of the second material
 };
 
 /// A clump of one to four spheres without symmetry.
@@ -90,6 +91,24 @@ Sample random_pair(Random& random) {
   return s;
 }
 
+/// A clump that is pressed on a plane a little and moves against it.
+Sample random_landing(Random& random) {
+  Sample s;
+  s.materials[0] = random_material(random, "first");
+  s.materials[1] = random_material(random, "second");
+  s.grains.push_back({random_clump(random), Vec3::Zero(), 0.02 * random.in_ball(), 0.02 * random.in_ball(),
+                      random.rotation(), 0});
+  const RigidShape shape = make_rigid(s.grains[0].shape, MassModel::spheres);
+  PlaneSurface plane{Vec3::Zero(), random.direction()};
+  double low = 1e300;
+  for (std::size_t k = 0; k < shape.radii.size(); ++k)
+    low = std::min(
+        low, (s.grains[0].orientation * (shape.axes * shape.offsets[k])).dot(plane.normal) - shape.radii[k]);
+  plane.point = (low + random.uniform(1e-5, 1e-3)) * plane.normal + 5.0 * plane.normal.unitOrthogonal();
+  s.wall = plane;
+  return s;
+}
+
 /// Bodies, in the order of the sample, as a run has left them, turned back into the layout of the sample.
 struct Outcome {
   std::vector<Vec3> position, force, torque;
@@ -118,9 +137,13 @@ material = "first"
 name = "first"
 [[material]]
 name = "second"
+{}
 )",
-                           kStiffness));
+                           kStiffness, sample.wall ? "[[wall]]\nkind = 'plane'\nmaterial = 'second'" : ""));
   e.scene.materials = {sample.materials[0], sample.materials[1]};
+  if (sample.wall)
+    e.state.walls.walls[0].surface =
+        PlaneSurface{layout.polar(sample.wall->point) + layout.shift, layout.polar(sample.wall->normal)};
   Bodies& bodies = e.state.bodies = Bodies{};
   std::vector<std::size_t> order = members;
   if (layout.reversed) std::reverse(order.begin(), order.end());
@@ -223,6 +246,37 @@ TEST(Symmetry, RandomPairsAreTheSameFromEverySide) {
   report::error("sum of the forces on all bodies, over k_N r" + cases, "zero", force, 1e-15);
   report::error("sum of the torques about the origin, over k_N r^2" + cases, "zero", torque, 1e-14);
   EXPECT_GT(pressed, 1e-4);  // they do press on each other
+}
+
+TEST(Symmetry, RandomBodiesOnAWallAreTheSameFromEverySide) {
+  struct Worst {
+    const char* name;
+    double first = 0.0, last = 0.0;
+  };
+  Worst worst[] = {{"rotation"}, {"translation by 10 m"}, {"mirror image"}, {"all of these at once"}};
+  double pressed = 0.0;
+  for (int c = 0; c < kCases; ++c) {
+    Random random(23, static_cast<std::uint64_t>(c));
+    const Sample sample = random_landing(random);
+    const Quat turn = random.rotation();
+    const Vec3 shift = 10.0 * random.direction();
+    const Layout layouts[] = {
+        {.turn = turn}, {.shift = shift}, {.mirror = true}, {.turn = turn, .shift = shift, .mirror = true}};
+    const History plain = run(sample, {}, {0});
+    pressed = std::max(pressed, plain.last.force[0].norm() / kStiffness);
+    for (std::size_t k = 0; k < std::size(layouts); ++k) {
+      const History other = run(sample, layouts[k], {0});
+      worst[k].first = std::max(worst[k].first, difference(plain.first, other.first));
+      worst[k].last = std::max(worst[k].last, difference(plain.last, other.last));
+    }
+  }
+  for (const Worst& w : worst) {
+    const std::string what = fmt::format("body on a wall, {}: ", w.name);
+    report::error(what + fmt::format("one evaluation, difference over k_N r, worst of {} bodies", kCases),
+                  "same physics", w.first, 1e-12);
+    report::error(what + fmt::format("after {} steps", kSteps), "same physics", w.last, 1e-12);
+  }
+  EXPECT_GT(pressed, 1e-4);
 }
 
 TEST(Symmetry, TwoHalvesThatDoNotMeetAreTwoScenes) {

@@ -422,7 +422,7 @@ TEST(Tides, AStepTooLongForTheEncounterIsWarnedOf) {
   for (const double dt : {1.0, 50.0}) {
     Experiment e(scene_text({}, step_of(dt), "", body({}) + circle(kPlanet, 1e7)));
     e.begin();
-    const std::vector<std::string> found = warnings(e.physics, e.state.bodies);
+    const std::vector<std::string> found = warnings(e.physics, e.state.bodies, {});
     if (dt == 1.0)
       EXPECT_TRUE(found.empty());
     else

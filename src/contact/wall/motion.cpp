@@ -23,6 +23,16 @@ WallPose WallMotion::pose(double time) const {
   return pose;
 }
 
+WallPose WallMotion::mid_step(double end, double dt) const {
+  const double swing = kPi * frequency * dt, angle = 0.5 * dt * spin.norm();
+  WallPose pose = this->pose(end - 0.5 * dt);
+  const Vec3 way = (end - 0.5 * dt) * velocity;
+  pose.shift = way + std::cos(swing) * (pose.shift - way);  // mean of the two ends
+  if (swing > 0.0) pose.velocity = velocity + std::sin(swing) / swing * (pose.velocity - velocity);
+  if (angle > 0.0) pose.spin *= std::tan(angle) / angle;
+  return pose;
+}
+
 double WallMotion::greatest_speed(double reach) const {
   return velocity.norm() + 2.0 * kPi * frequency * amplitude.norm() + spin.norm() * reach;
 }

@@ -37,6 +37,9 @@ struct WallMotion {
 
   bool moves() const;
   WallPose pose(double time) const;
+  /// The middle of a step of `dt` that ends at `end`, with the velocity and spin, (2 / dt) tan(angle / 2),
+  /// that carry every point of the wall from its place before the step to that after it.
+  WallPose mid_step(double end, double dt) const;
   /// Greatest speed (m/s) of a point that keeps the distance `reach` (m) from the rotation point.
   double greatest_speed(double reach) const;
 };
