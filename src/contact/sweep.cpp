@@ -172,14 +172,16 @@ void evaluate_batch(const std::vector<SphereMotion>& motions, const LawConstants
     index_j[l] = contacts.pair(slot[l]).j;
   }
   const MotionBatch a = load_motions(motions, index_i), b = load_motions(motions, index_j);
-  const Batch one(1.0), half(0.5);
+  const Batch half(0.5);
 
   Triple<Batch> d = b.position - a.position, u = b.velocity - a.velocity,
                 u_mid = b.velocity_mid - a.velocity_mid;
   if (contacts.shifted()) see_shifted(contacts, slot, d, u, u_mid);
   const Triple<Batch> d_mid = fma(Batch(-0.5 * dt), u_mid, d);
-  const Batch distance = sqrt(dot(d, d)), distance_mid = sqrt(dot(d_mid, d_mid));
-  const Batch inverse = one / distance, inverse_mid = one / distance_mid;
+  const Batch d2 = dot(d, d), d2_mid = dot(d_mid, d_mid);
+  const Batch inverse = rsqrt(d2), inverse_mid = rsqrt(d2_mid);
+  const Batch rough = d2 * inverse, distance_mid = d2_mid * inverse_mid;
+  const Batch distance = fma(fma(-rough, rough, d2), half * inverse, rough);  // the overlap needs its last bit
   const Batch sum = a.radius + b.radius;
   // Contact point on the radical plane: lever arms (d^2 +- (r_i^2 - r_j^2)) / 2d from the two centres.
   const Batch step = (a.radius - b.radius) * sum;
