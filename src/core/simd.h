@@ -23,6 +23,7 @@ struct Mask {
   Vector v;
   CAIRN_INLINE friend Mask operator&(Mask a, Mask b) { return {a.v & b.v}; }
   CAIRN_INLINE friend Mask operator|(Mask a, Mask b) { return {a.v | b.v}; }
+  CAIRN_INLINE friend Mask operator!(Mask a) { return {~a.v}; }
 };
 
 struct Batch {
@@ -129,58 +130,60 @@ CAIRN_INLINE Batch rsqrt(Batch a) {
 #endif
 }
 
-/// Reads 8 consecutive doubles from each of 8 rows: column k of the rows comes out as out[k].
-CAIRN_INLINE void load_transposed(const double* const (&rows)[kLanes], Batch (&out)[kLanes]);
-
-/// The inverse: writes in[k], lane l to rows[l][k].
-CAIRN_INLINE void store_transposed(const Batch (&in)[kLanes], double* const (&rows)[kLanes]);
-
 namespace simd_detail {
 
 using V = Batch::Vector;
+using Half = double __attribute__((vector_size(32)));
 using I = Mask::Vector;
 
-CAIRN_INLINE V load(const double* p) {
-  V v;
+CAIRN_INLINE Half load(const double* p) {
+  Half v;
   __builtin_memcpy(&v, p, sizeof v);
   return v;
 }
 
-/// Transposes an 8 x 8 block held in registers: pairs, quads, halves.
-CAIRN_INLINE void transpose(V (&r)[8]) {
+/// Transposes two 4 x 4 blocks side by side: pairs, then halves.
+CAIRN_INLINE void transpose(V (&r)[4]) {
   constexpr I low1{0, 8, 2, 10, 4, 12, 6, 14}, high1{1, 9, 3, 11, 5, 13, 7, 15};
   constexpr I low2{0, 1, 8, 9, 4, 5, 12, 13}, high2{2, 3, 10, 11, 6, 7, 14, 15};
-  constexpr I low4{0, 1, 2, 3, 8, 9, 10, 11}, high4{4, 5, 6, 7, 12, 13, 14, 15};
-  V a[8], b[8];
-  for (int k = 0; k < 8; k += 2) {
-    a[k] = __builtin_shuffle(r[k], r[k + 1], low1);
-    a[k + 1] = __builtin_shuffle(r[k], r[k + 1], high1);
-  }
-  for (int k = 0; k < 8; k += 4)
-    for (int m = 0; m < 2; ++m) {
-      b[k + m] = __builtin_shuffle(a[k + m], a[k + m + 2], low2);
-      b[k + m + 2] = __builtin_shuffle(a[k + m], a[k + m + 2], high2);
-    }
-  for (int k = 0; k < 4; ++k) {
-    r[k] = __builtin_shuffle(b[k], b[k + 4], low4);
-    r[k + 4] = __builtin_shuffle(b[k], b[k + 4], high4);
-  }
+  const V a = __builtin_shuffle(r[0], r[1], low1), b = __builtin_shuffle(r[0], r[1], high1);
+  const V c = __builtin_shuffle(r[2], r[3], low1), d = __builtin_shuffle(r[2], r[3], high1);
+  r[0] = __builtin_shuffle(a, c, low2);
+  r[1] = __builtin_shuffle(b, d, low2);
+  r[2] = __builtin_shuffle(a, c, high2);
+  r[3] = __builtin_shuffle(b, d, high2);
 }
 
 }  // namespace simd_detail
 
-CAIRN_INLINE void load_transposed(const double* const (&rows)[kLanes], Batch (&out)[kLanes]) {
-  simd_detail::V r[8];
-  for (std::size_t k = 0; k < kLanes; ++k) r[k] = simd_detail::load(rows[k]);
-  simd_detail::transpose(r);
-  for (std::size_t k = 0; k < kLanes; ++k) out[k] = r[k];
+/// Reads `columns` (4 or 8) consecutive doubles from each of 8 rows: column k of the rows comes out as out[k].
+template <std::size_t columns>
+CAIRN_INLINE void load_transposed(const double* const (&rows)[kLanes], Batch (&out)[columns]) {
+  static_assert(columns == 4 || columns == 8);
+  for (std::size_t c = 0; c < columns; c += 4) {
+    simd_detail::V r[4];
+    for (std::size_t k = 0; k < 4; ++k)
+      r[k] = __builtin_shufflevector(simd_detail::load(rows[k] + c), simd_detail::load(rows[k + 4] + c), 0, 1,
+                                     2, 3, 4, 5, 6, 7);
+    simd_detail::transpose(r);
+    for (std::size_t k = 0; k < 4; ++k) out[c + k] = r[k];
+  }
 }
 
-CAIRN_INLINE void store_transposed(const Batch (&in)[kLanes], double* const (&rows)[kLanes]) {
-  simd_detail::V r[8];
-  for (std::size_t k = 0; k < kLanes; ++k) r[k] = in[k].v;
-  simd_detail::transpose(r);
-  for (std::size_t k = 0; k < kLanes; ++k) __builtin_memcpy(rows[k], &r[k], sizeof r[k]);
+/// The inverse: writes in[k], lane l to rows[l][k].
+template <std::size_t columns>
+CAIRN_INLINE void store_transposed(const Batch (&in)[columns], double* const (&rows)[kLanes]) {
+  static_assert(columns == 4 || columns == 8);
+  for (std::size_t c = 0; c < columns; c += 4) {
+    simd_detail::V r[4];
+    for (std::size_t k = 0; k < 4; ++k) r[k] = in[c + k].v;
+    simd_detail::transpose(r);
+    for (std::size_t k = 0; k < 4; ++k) {
+      __builtin_memcpy(rows[k] + c, &r[k], sizeof(simd_detail::Half));
+      const simd_detail::Half high = __builtin_shufflevector(r[k], r[k], 4, 5, 6, 7);
+      __builtin_memcpy(rows[k + 4] + c, &high, sizeof high);
+    }
+  }
 }
 
 /// A vector whose components are doubles or batches.
