@@ -89,7 +89,7 @@ void drift(Bodies& bodies, double dt, std::vector<Vec3>& spin_mid) {
     add_exactly(x, bodies.remainder[b], dt * bodies.velocity[b]);
     if (x.cwiseAbs().maxCoeff() > reach) left.store(true, std::memory_order_relaxed);
     if (bodies.sphere_count(b) == 1) {  // the attitude of a loose sphere moves nothing
-      const Vec3 w = bodies.spin[b].cwiseQuotient(bodies.inertia[b]);
+      const Vec3 w = (1.0 / bodies.inertia[b].x()) * bodies.spin[b];
       spin_mid[b] = tangent_ratio(0.25 * dt * dt * w.squaredNorm()) * w;
       return;
     }

@@ -21,7 +21,9 @@ struct Recipe {
 };
 
 const std::map<std::string, Recipe> kRecipes{
+    {"few_spheres", {"sphere", 16, 1.0, 0.56, 0.642}},
     {"spheres", {"sphere", 34, 1.0, 0.56, 0.642}},
+    {"few_tetrahedra", {"tetrahedron", 10, 1.0, 0.56, 0.64}},
     {"tetrahedra", {"tetrahedron", 21, 1.0, 0.56, 0.64}},
     {"cubes", {"cube", 17, 1.0, 0.50, 0.60}},
     {"needles", {"needle", 15, 1.0, 0.20, 0.40}},
@@ -127,7 +129,7 @@ void pack(const Recipe& recipe, const std::filesystem::path& path) {
 
 int main(int argc, char** argv) {
   if (argc != 3 || !cairn::kRecipes.contains(argv[1])) {
-    std::fputs("usage: bench_packing spheres|tetrahedra|cubes|needles|sizes FILE.h5\n", stderr);
+    std::fputs("usage: bench_packing [few_]spheres|[few_]tetrahedra|cubes|needles|sizes FILE.h5\n", stderr);
     return 2;
   }
   try {

@@ -46,6 +46,8 @@ struct Packing {
     physics = resolve_physics(scene, 0, state.bodies, *scene.contact.stiffness);
     begin_stage(physics, setup.contacts, state, scratch);
     state.clock.dt = physics.contacts.dt;
+    for (int k = 0; k < 8; ++k) scratch.candidates.adapt_skin(2000);  // as in a pile long at rest
+    prepare_scratch(physics, state, scratch);
   }
 };
 

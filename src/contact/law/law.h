@@ -116,7 +116,9 @@ CAIRN_INLINE Triple<T> flatten(const Triple<T>& a, const Triple<T>& n) {
 template <class T>
 CAIRN_INLINE T cut(T limit, T length2) {
   const auto over = length2 > limit * limit;
-  return select(over, limit * rsqrt(select(over, length2, T(1.0))), T(1.0));
+  T scale(1.0);
+  if (any(over)) scale = select(over, limit * rsqrt(select(over, length2, T(1.0))), scale);
+  return scale;
 }
 
 /// Advances the springs over the drift, evaluates spring + dashpot + slider for each motion that F has.
@@ -150,22 +152,33 @@ CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const Contact
   };
   // Spring, dashpot, slider: the spring is shortened to what the slider holds, then the sum is cut to the
   // limit, `hold` times the pressing force. The work lost is, to second order, that done on the drag of
-  // mid-step less what the spring has gained.
+  // mid-step less what the spring has gained; where nothing slides that is the work of the dashpot.
   const auto slide = [&](T stiffness, T damping, T hold, Triple<T> & spring, const Triple<T>& rate,
                          const Triple<T>& rate_mid) __attribute__((always_inline)) {
-    const T limit = hold * pressed;
-    const T length2 = dot(spring, spring), stretch = dt * dot(rate_mid, spring),
-            way2 = dt * dt * dot(rate_mid, rate_mid);
-    const T keep = cut(limit, stiffness * stiffness * length2);
+    const T limit = hold * pressed, limit_mid = hold * pressed_mid;
     const T half_stiffness = T(0.5) * stiffness;
-    const Triple<T> drag_mid =
-        fma(half_stiffness, fma(T(1.0) + keep, spring, -dt * rate_mid), damping * rate_mid);
-    const T work = cut(hold * pressed_mid, dot(drag_mid, drag_mid)) * dt * dot(drag_mid, rate_mid);
-    const T gain = fma(fma(keep, keep, T(-1.0)), length2, T(2.0) * stretch - way2);
-    action.dissipated += fma(-half_stiffness, gain, work);
-    spring = keep * spring;
-    const Triple<T> sum = fma(damping, rate, stiffness * spring);
-    return cut(limit, dot(sum, sum)) * sum;
+    const T length2 = dot(spring, spring), way2 = dt * dot(rate_mid, rate_mid);
+    Triple<T> sum = fma(damping, rate, stiffness * spring);
+    const Triple<T> sum_mid = fma(stiffness, spring, fma(-half_stiffness, dt, damping) * rate_mid);
+    T lost = damping * way2;
+    const auto slides = (stiffness * stiffness * length2 > limit * limit) | (dot(sum, sum) > limit * limit) |
+                        (dot(sum_mid, sum_mid) > limit_mid * limit_mid);
+    if (any(slides)) {
+      const T stretch = dt * dot(rate_mid, spring);
+      const T keep = cut(limit, stiffness * stiffness * length2);
+      const Triple<T> drag_mid =
+          fma(half_stiffness, fma(T(1.0) + keep, spring, -dt * rate_mid), damping * rate_mid);
+      const T work = cut(limit_mid, dot(drag_mid, drag_mid)) * dt * dot(drag_mid, rate_mid);
+      const T gain = fma(fma(keep, keep, T(-1.0)), length2, T(2.0) * stretch - dt * way2);
+      lost = select(slides, fma(-half_stiffness, gain, work), lost);
+      spring = keep * spring;
+      const Triple<T> kept = fma(damping, rate, stiffness * spring);
+      const T scale = cut(limit, dot(kept, kept));
+      sum = {select(slides, scale * kept.x, sum.x), select(slides, scale * kept.y, sum.y),
+             select(slides, scale * kept.z, sum.z)};
+    }
+    action.dissipated += lost;
+    return sum;
   };
 
   const Triple<T> u_t = fma(-u_n, n, motion.u);
