@@ -436,7 +436,9 @@ void gather_wrenches(const ContactList& contacts, Bodies& bodies) {
         as_j += row(slot);
         z += contacts.wrench[slot].torque_j[2];
       }
-      Batch sum = Batch::Vector{-as_j[0], -as_j[1], -as_j[2], as_j[6], as_j[7], z, 0.0, 0.0};
+      constexpr Mask::Vector order{0, 1, 2, 6, 7, 5, 5, 5};
+      constexpr Batch::Vector sign{-1.0, -1.0, -1.0, 1.0, 1.0, 0.0, 0.0, 0.0};
+      Batch sum = __builtin_shuffle(as_j.v, order) * sign + Batch::Vector{0.0, 0.0, 0.0, 0.0, 0.0, z, 0.0, 0.0};
       for (std::uint32_t slot = contacts.begin(s); slot < contacts.begin(s + 1); ++slot) sum += row(slot);
       const Vec3 f(sum[0], sum[1], sum[2]);
       force += f;
