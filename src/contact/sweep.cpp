@@ -177,16 +177,18 @@ class Block {
     const std::size_t count =
         contacts_.shifted() ? find_pairs<true>(active, fresh) : find_pairs<false>(active, fresh);
     Slots slot;
-    for (std::size_t k = 0; k < count; k += kLanes) {
-      if (k + kLanes <= count) {
-        for (std::size_t l = 0; l < kLanes; ++l) slot.index[l] = active[k + l];
-        slot.consecutive = slot[kLanes - 1] - slot[0] == kLanes - 1;
-        evaluate_batch(slot, kLanes);
-      } else {  // spare lanes repeat the last contact: same values, same slot
-        for (std::size_t l = 0; l < kLanes; ++l) slot.index[l] = active[std::min(k + l, count - 1)];
-        slot.consecutive = false;
-        evaluate_batch(slot, count - k);
-      }
+    std::size_t k = 0;
+    for (; k + kLanes <= count; k += kLanes) {
+      for (std::size_t l = 0; l < kLanes; ++l) slot.index[l] = active[k + l];
+      slot.consecutive = slot[kLanes - 1] - slot[0] == kLanes - 1;
+      if (k + 2 * kLanes <= count)
+        for (std::size_t l = 0; l < kLanes; ++l) fetch(active[k + kLanes + l]);
+      evaluate_batch<false>(slot, kLanes);
+    }
+    if (k < count) {  // spare lanes repeat the last contact: same values, same slot
+      for (std::size_t l = 0; l < kLanes; ++l) slot.index[l] = active[std::min(k + l, count - 1)];
+      slot.consecutive = false;
+      evaluate_batch<true>(slot, count - k);
     }
     SweepReport out{.dissipated = released_};
     for (std::size_t l = 0; l < kLanes; ++l) {
@@ -235,8 +237,17 @@ class Block {
     return total;
   }
 
-  /// Eight pairs at once, of which the first `used` count.
-  void evaluate_batch(const Slots& slot, std::size_t used) {
+  /// The partner's motion is somewhere else in memory.
+  void fetch(std::uint32_t slot) const {
+    const SphereMotion& j = motions_[contacts_.pair(slot).j];
+    __builtin_prefetch(j.position);
+    __builtin_prefetch(j.position + 8);
+  }
+
+  /// Eight pairs at once, of which the first `used` count. A batch in which no contact begins or ends needs no
+  /// call, and so can keep its values in registers; any other one starts again with `changes`.
+  template <bool changes>
+  [[gnu::noinline]] void evaluate_batch(const Slots& slot, std::size_t used) {
     std::uint32_t index_i[kLanes], index_j[kLanes];
     for (std::size_t l = 0; l < kLanes; ++l) {
       index_i[l] = contacts_.pair(slot[l]).i;
@@ -252,10 +263,18 @@ class Block {
     const Batch sum = a.radius + b.radius;
     const Batch square = dot(d, d);
     const Mask parted = !(square < sum * sum);
-    const bool any_parted = any(parted);
-    if (any_parted)
-      for (std::size_t l = 0; l < used; ++l)
+    ContactMemory<Batch> memory;
+    memory.c_n = gather(contacts_.c_n, slot);
+    const Mask fresh = (memory.c_n < Batch(0.0)) & !parted;
+    if constexpr (changes) {
+      for (std::size_t l = 0; l < used; ++l) {
         if (parted.v[l]) part(slot[l], {d.x[l], d.y[l], d.z[l]}, sum[l]);
+        if (fresh.v[l]) set_damping(bodies_, settings_, contacts_, slot[l]);
+      }
+      memory.c_n = gather(contacts_.c_n, slot);
+    } else if (any(parted | fresh)) {
+      return evaluate_batch<true>(slot, used);
+    }
 
     const Batch least(1e-300);  // for centres that coincide
     const Batch d2 = max(square, least), d2_mid = max(dot(d_mid, d_mid), least);
@@ -281,16 +300,8 @@ class Block {
     motion.w_mid = b.spin_mid - a.spin_mid;
     motion.turn = half * (a.spin_mid + b.spin_mid);
     motion.dt = dt;
-    ContactMemory<Batch> memory;
-    memory.c_n = gather(contacts_.c_n, slot);
-    const Mask fresh = (memory.c_n < Batch(0.0)) & !parted;
-    const bool any_fresh = any(fresh);
-    if (any_fresh) {
+    if constexpr (changes)
       motion.dt = select(fresh, age(geometry.overlap, dot(motion.u_mid, geometry.n_mid), dt), dt);
-      for (std::size_t l = 0; l < used; ++l)
-        if (fresh.v[l]) set_damping(bodies_, settings_, contacts_, slot[l]);
-      memory.c_n = gather(contacts_.c_n, slot);
-    }
     load_springs<F>(contacts_, slot, memory);
 
     const LawConstants<Batch> law =
@@ -303,11 +314,12 @@ class Block {
     const Batch smaller = min(a.radius, b.radius);
     if (any(geometry.overlap > overlap_ratio_ * smaller))
       overlap_ratio_ = max(overlap_ratio_, geometry.overlap / smaller);
-    if (any_fresh) add_first_touches(contacts_, slot, fresh, geometry, motion.dt, law.k_n, settings_.dt, kicks_);
-    if (!any_parted && used == kLanes) {
+    if constexpr (!changes) {
       dissipated_ += action.dissipated;
       return;
     }
+    if (any(fresh))
+      add_first_touches(contacts_, slot, fresh, geometry, motion.dt, law.k_n, settings_.dt, kicks_);
     for (std::size_t l = 0; l < used; ++l) {
       if (parted.v[l])
         contacts_.release(slot[l]);

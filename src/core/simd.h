@@ -136,10 +136,17 @@ using V = Batch::Vector;
 using Half = double __attribute__((vector_size(32)));
 using I = Mask::Vector;
 
-CAIRN_INLINE Half load(const double* p) {
-  Half v;
-  __builtin_memcpy(&v, p, sizeof v);
-  return v;
+/// Four doubles from each of two places.
+CAIRN_INLINE V load(const double* low, const double* high) {
+#ifdef __AVX512F__
+  return (V)_mm512_maskz_insertf64x4(0xff, _mm512_castpd256_pd512(_mm256_loadu_pd(low)),
+                                     _mm256_loadu_pd(high), 1);
+#else
+  Half a, b;
+  __builtin_memcpy(&a, low, sizeof a);
+  __builtin_memcpy(&b, high, sizeof b);
+  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+#endif
 }
 
 /// Transposes two 4 x 4 blocks side by side: pairs, then halves.
@@ -162,9 +169,7 @@ CAIRN_INLINE void load_transposed(const double* const (&rows)[kLanes], Batch (&o
   static_assert(columns == 4 || columns == 8);
   for (std::size_t c = 0; c < columns; c += 4) {
     simd_detail::V r[4];
-    for (std::size_t k = 0; k < 4; ++k)
-      r[k] = __builtin_shufflevector(simd_detail::load(rows[k] + c), simd_detail::load(rows[k + 4] + c), 0, 1,
-                                     2, 3, 4, 5, 6, 7);
+    for (std::size_t k = 0; k < 4; ++k) r[k] = simd_detail::load(rows[k] + c, rows[k + 4] + c);
     simd_detail::transpose(r);
     for (std::size_t k = 0; k < 4; ++k) out[c + k] = r[k];
   }
