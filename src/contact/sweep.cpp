@@ -244,8 +244,8 @@ class Block {
     __builtin_prefetch(j.position + 8);
   }
 
-  /// Eight pairs at once, of which the first `used` count. A batch in which no contact begins or ends needs no
-  /// call, and so can keep its values in registers; any other one starts again with `changes`.
+  /// Eight pairs at once, of which the first `used` count. A batch in which no contact begins or ends needs
+  /// no call, and so can keep its values in registers; any other one starts again with `changes`.
   template <bool changes>
   [[gnu::noinline]] void evaluate_batch(const Slots& slot, std::size_t used) {
     std::uint32_t index_i[kLanes], index_j[kLanes];
@@ -450,7 +450,8 @@ void gather_wrenches(const ContactList& contacts, Bodies& bodies) {
       }
       constexpr Mask::Vector order{0, 1, 2, 6, 7, 5, 5, 5};
       constexpr Batch::Vector sign{-1.0, -1.0, -1.0, 1.0, 1.0, 0.0, 0.0, 0.0};
-      Batch sum = __builtin_shuffle(as_j.v, order) * sign + Batch::Vector{0.0, 0.0, 0.0, 0.0, 0.0, z, 0.0, 0.0};
+      Batch sum =
+          __builtin_shuffle(as_j.v, order) * sign + Batch::Vector{0.0, 0.0, 0.0, 0.0, 0.0, z, 0.0, 0.0};
       for (std::uint32_t slot = contacts.begin(s); slot < contacts.begin(s + 1); ++slot) sum += row(slot);
       const Vec3 f(sum[0], sum[1], sum[2]);
       force += f;

@@ -163,7 +163,8 @@ CAIRN_INLINE void transpose(V (&r)[4]) {
 
 }  // namespace simd_detail
 
-/// Reads `columns` (4 or 8) consecutive doubles from each of 8 rows: column k of the rows comes out as out[k].
+/// Reads `columns` (4 or 8) consecutive doubles from each of 8 rows: column k of the rows comes out as
+/// out[k].
 template <std::size_t columns>
 CAIRN_INLINE void load_transposed(const double* const (&rows)[kLanes], Batch (&out)[columns]) {
   static_assert(columns == 4 || columns == 8);

@@ -1,5 +1,5 @@
 // Whole steps of settled packings, every phase and every set of contact features: million sphere-steps per
-// second. The packings are made by packings.sh; the folder that holds them is the first argument.
+// second. The packings are made by bench_packing; the folder that holds them is the first argument.
 #include <benchmark/benchmark.h>
 
 #include <time.h>
@@ -30,12 +30,13 @@ struct Packing {
   Physics physics;
 
   Packing(const std::string& pile, const std::string& material) {
-    const std::string text = "pile = \"" + pile +
-                             "\"\n[box]\nsize = [0, 0, 0]\n[gravity]\nmethod = \"none\"\n[[material]]\nname = "
-                             "\"nominal\"\n" +
-                             kMaterials.at(material) +
-                             "[[material]]\nname = \"smooth\"\n[[stage]]\nname = \"bench\"\nduration = "
-                             "1e6\nmaterial = \"nominal\"\n[contact]\nstiffness = 1e7\n";
+    const std::string text =
+        "pile = \"" + pile +
+        "\"\n[box]\nsize = [0, 0, 0]\n[gravity]\nmethod = \"none\"\n[[material]]\nname = "
+        "\"nominal\"\n" +
+        kMaterials.at(material) +
+        "[[material]]\nname = \"smooth\"\n[[stage]]\nname = \"bench\"\nduration = "
+        "1e6\nmaterial = \"nominal\"\n[contact]\nstiffness = 1e7\n";
     scene = parse_scene(text, "bench.toml", ".");
     Setup setup = assemble(scene);
     state.bodies = std::move(setup.bodies);
@@ -115,7 +116,8 @@ BENCHMARK_CAPTURE(perturber, cubes_5000, "cube", 3.73155, 17)->Unit(benchmark::k
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (argc != 2) {
-    std::fputs("usage: bench_step FOLDER [benchmark options]: a folder of packings made by packings.sh\n", stderr);
+    std::fputs("usage: bench_step FOLDER [benchmark options]: a folder of packings made by bench_packing\n",
+               stderr);
     return 2;
   }
   std::vector<std::filesystem::path> piles;
