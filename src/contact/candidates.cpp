@@ -9,6 +9,9 @@ namespace cairn {
 
 namespace {
 
+constexpr std::uint64_t kLongLife = 1000;  // steps
+constexpr double kLeastSkin = 0.02;        // smallest radii
+
 /// The shift of every slot: from the cells of its bodies, or to the nearest image.
 void find_shifts(const Bodies& bodies, const Box& box, ContactList& contacts) {
   const std::vector<Vec3>& x = bodies.spheres.position;
@@ -89,9 +92,13 @@ void Candidates::rebuild(const Bodies& bodies, const RigidMotion& motion, const 
                [&](std::size_t s) { reference_[s] = sphere_place(bodies, s) - motion.center; });
 }
 
+bool Candidates::too_wide(std::uint64_t age) const {
+  return age > kLongLife && skin_ > kLeastSkin * smallest_;
+}
+
 void Candidates::adapt_skin(std::uint64_t age) {
   if (age < 30) skin_ = std::min(1.5 * skin_, smallest_);
-  if (age > 1000) skin_ = std::max(0.7 * skin_, 0.02 * smallest_);
+  if (age > kLongLife) skin_ = std::max(0.7 * skin_, kLeastSkin * smallest_);
 }
 
 }  // namespace cairn

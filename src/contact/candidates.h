@@ -29,6 +29,9 @@ class Candidates {
   /// the box since.
   bool expired(const Bodies& bodies, double time, const Box& box = {}) const;
 
+  /// Whether a list of that age (steps) has lived so long that a tighter one would be quicker.
+  bool too_wide(std::uint64_t age) const;
+
   /// Searches afresh; histories in `contacts` are carried over.
   /// @throws UnstableError when a position is not finite, InputError when the box is too small.
   void rebuild(const Bodies& bodies, const RigidMotion& motion, const Features& features,

@@ -26,48 +26,45 @@ void ContactList::rebuild(std::vector<Pair>& pairs, std::size_t spheres, const F
     second[cursor[pairs_[slot].j]++] = static_cast<std::uint32_t>(slot);
 
   c_n.assign(n, -1.0);
-  c_s.assign(n, 0.0);
-  for (int k = 0; k < 3; ++k) {
-    slide[k].assign(features.tangential ? n : 0, 0.0);
-    roll[k].assign(features.rolling ? n : 0, 0.0);
-  }
-  twist.assign(features.twisting ? n : 0, 0.0);
+  springs.assign(features.tangential ? n : 0, ContactSprings{});
   wrench.assign(n, ContactWrench{});
   restore(kept);
 }
 
 void ContactList::set_shifts(bool any, const std::function<Vec3(const Pair&)>& shift_of) {
-  for (std::vector<double>& component : shift) component.assign(any ? slots() : 0, 0.0);
-  if (!any) return;
+  shift.assign(any ? slots() : 0, {});
+  is_shifted.assign(shift.size(), 0);
   bool needed = false;
-  for (std::size_t slot = 0; slot < slots(); ++slot) {
+  for (std::size_t slot = 0; slot < shift.size(); ++slot) {
     const Vec3 steps = shift_of(pairs_[slot]);
-    for (std::size_t k = 0; k < 3; ++k) shift[k][slot] = steps[static_cast<int>(k)];
-    needed |= steps != Vec3::Zero();
+    shift[slot] = {steps.x(), steps.y(), steps.z()};
+    is_shifted[slot] = steps != Vec3::Zero();
+    needed |= is_shifted[slot] != 0;
   }
-  if (!needed)
-    for (std::vector<double>& component : shift) component.clear();
+  if (needed) return;
+  shift.clear();
+  is_shifted.clear();
 }
 
 ContactMemory<double> ContactList::memory(std::size_t slot) const {
   ContactMemory<double> m{};
   m.c_n = c_n[slot];
-  m.c_s = c_s[slot];
-  if (features_.tangential) m.slide = {slide[0][slot], slide[1][slot], slide[2][slot]};
-  if (features_.rolling) m.roll = {roll[0][slot], roll[1][slot], roll[2][slot]};
-  if (features_.twisting) m.twist = twist[slot];
+  if (!features_.tangential) return m;
+  const ContactSprings& s = springs[slot];
+  m.c_s = s.c_s;
+  m.slide = {s.slide[0], s.slide[1], s.slide[2]};
+  if (features_.rolling) m.roll = {s.roll[0], s.roll[1], s.roll[2]};
+  if (features_.twisting) m.twist = s.twist;
   return m;
 }
 
 void ContactList::set_memory(std::size_t slot, const ContactMemory<double>& m) {
   c_n[slot] = m.c_n;
-  c_s[slot] = m.c_s;
-  const double s[3] = {m.slide.x, m.slide.y, m.slide.z}, r[3] = {m.roll.x, m.roll.y, m.roll.z};
-  for (int k = 0; k < 3; ++k) {
-    if (features_.tangential) slide[k][slot] = s[k];
-    if (features_.rolling) roll[k][slot] = r[k];
-  }
-  if (features_.twisting) twist[slot] = m.twist;
+  if (!features_.tangential) return;
+  ContactSprings& s = springs[slot];
+  s = {.slide = {m.slide.x, m.slide.y, m.slide.z}, .c_s = m.c_s, .roll = {}, .twist = 0.0};
+  if (features_.rolling) s.roll[0] = m.roll.x, s.roll[1] = m.roll.y, s.roll[2] = m.roll.z;
+  if (features_.twisting) s.twist = m.twist;
 }
 
 void ContactList::release(std::size_t slot) {

@@ -1,6 +1,7 @@
 // The contact list: candidate pairs in order of their sphere ids, with what each touching pair remembers.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -23,6 +24,14 @@ struct ContactWrench {
   double force[3];     ///< N, on i; j gets the opposite
   double torque_i[3];  ///< N m
   double torque_j[3];  ///< N m
+};
+
+/// Springs of one contact and its tangential dashpot, in one cache line.
+struct alignas(64) ContactSprings {
+  double slide[3] = {};  ///< m
+  double c_s = 0.0;      ///< kg/s
+  double roll[3] = {};   ///< rad
+  double twist = 0.0;    ///< rad
 };
 
 /// What a contact that began or ended within the step gives beyond the half kicks: its wrench times a time.
@@ -56,23 +65,24 @@ class ContactList {
 
   /// Asks for every pair's shift in whole lattice edges; none is stored when all are zero or `any` is false.
   void set_shifts(bool any, const std::function<Vec3(const Pair&)>& shift_of);
-  bool shifted() const { return !shift[0].empty(); }
+  bool shifted() const { return !shift.empty(); }
   /// What is to be added to the place of j to bring it where i sees it (m).
   Vec3 shift_of(std::size_t slot) const {
     if (!shifted()) return Vec3::Zero();
-    return lattice.cwiseProduct(Vec3(shift[0][slot], shift[1][slot], shift[2][slot]));
+    return lattice.cwiseProduct(Vec3(shift[slot][0], shift[slot][1], shift[slot][2]));
   }
 
   /// Slots in which sphere s is the second partner: second[second_begin[s]] ... in increasing order.
   std::vector<std::uint32_t> second_begin, second;
 
-  std::vector<double> c_n, c_s;                  ///< c_n < 0: not touching
-  std::vector<double> slide[3], roll[3], twist;  ///< empty when the features lack them
-  std::vector<ContactWrench> wrench;             ///< zero where not touching
-  std::vector<double> shift[3];                  ///< whole edges of the lattice; empty: none is shifted
-  Vec3 lattice = Vec3::Zero();                   ///< m, edges of the cells, or of the periodic box as it is
-  Vec3 lattice_rate = Vec3::Zero();              ///< 1/s, their growth: images move with it
-  std::vector<std::vector<PartialKick>> kicks;   ///< of the last sweep, by block of spheres
+  std::vector<double> c_n;                      ///< kg/s; < 0: not touching
+  std::vector<ContactSprings> springs;          ///< empty when there is no tangential force
+  std::vector<ContactWrench> wrench;            ///< zero where not touching
+  std::vector<std::array<double, 3>> shift;     ///< whole edges of the lattice; empty: none is shifted
+  std::vector<std::uint8_t> is_shifted;         ///< whether a slot's shift is not zero; empty as `shift`
+  Vec3 lattice = Vec3::Zero();                  ///< m, edges of the cells, or of the periodic box as it is
+  Vec3 lattice_rate = Vec3::Zero();             ///< 1/s, their growth: images move with it
+  std::vector<std::vector<PartialKick>> kicks;  ///< of the last sweep, by block of spheres
 
  private:
   std::vector<Pair> pairs_;

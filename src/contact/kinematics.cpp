@@ -16,10 +16,18 @@ void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, do
     const Vec3 velocity_end = velocity_mid + (half / bodies.mass[b]) * bodies.force[b];
     const Vec3 momentum_end = bodies.spin[b] + half * bodies.torque[b];
     const std::uint32_t begin = bodies.first_sphere[b], end = bodies.first_sphere[b + 1];
-    const bool loose = end - begin == 1;
+    if (end - begin == 1) {  // a loose sphere has no arm
+      SphereMotion& m = motions[begin];
+      Eigen::Map<Vec3>(m.position) = spheres.position[begin];
+      m.radius = spheres.radius[begin];
+      Eigen::Map<Vec3>(m.velocity_mid) = velocity_mid;
+      Eigen::Map<Vec3>(m.spin_mid) = spin_mid[b];
+      Eigen::Map<Vec3>(m.velocity) = velocity_end;
+      Eigen::Map<Vec3>(m.spin) = (1.0 / bodies.inertia[b].x()) * momentum_end;
+      return;
+    }
     const Quat& q = bodies.orientation[b];
-    const Vec3 w_end = loose ? Vec3(momentum_end.cwiseQuotient(bodies.inertia[b]))
-                             : Vec3(q * (q.conjugate() * momentum_end).cwiseQuotient(bodies.inertia[b]));
+    const Vec3 w_end = q * (q.conjugate() * momentum_end).cwiseQuotient(bodies.inertia[b]);
     const Vec3& w_mid = spin_mid[b];
     const Vec3 turn = half * w_mid;
     const double share = 1.0 / (1.0 + turn.squaredNorm());

@@ -68,41 +68,31 @@ CAIRN_INLINE Batch gather(const std::vector<double>& from, const Slots& slot) {
   return out;
 }
 
-CAIRN_INLINE void scatter(std::vector<double>& to, const Slots& slot, Batch values) {
-  if (slot.consecutive)
-    __builtin_memcpy(&to[slot[0]], &values, sizeof values);
-  else
-    for (std::size_t l = 0; l < kLanes; ++l) to[slot[l]] = values[l];
-}
-
+/// The springs of eight contacts; what F lacks is neither read nor written.
 template <Features F>
-CAIRN_INLINE ContactMemory<Batch> load_memory(const ContactList& contacts, const Slots& slot) {
-  ContactMemory<Batch> m;
-  m.c_n = gather(contacts.c_n, slot);
-  if constexpr (F.tangential) {
-    m.c_s = gather(contacts.c_s, slot);
-    m.slide = {gather(contacts.slide[0], slot), gather(contacts.slide[1], slot),
-               gather(contacts.slide[2], slot)};
+CAIRN_INLINE void load_springs(const ContactList& contacts, const Slots& slot, ContactMemory<Batch>& m) {
+  if constexpr (!F.tangential) return;
+  const double* rows[kLanes];
+  for (std::size_t l = 0; l < kLanes; ++l) rows[l] = contacts.springs[slot[l]].slide;
+  Batch a[F.rolling || F.twisting ? 8 : 4];
+  load_transposed(rows, a);
+  m.slide = {a[0], a[1], a[2]};
+  m.c_s = a[3];
+  if constexpr (F.rolling || F.twisting) {
+    m.roll = {a[4], a[5], a[6]};
+    m.twist = a[7];
   }
-  if constexpr (F.rolling)
-    m.roll = {gather(contacts.roll[0], slot), gather(contacts.roll[1], slot), gather(contacts.roll[2], slot)};
-  if constexpr (F.twisting) m.twist = gather(contacts.twist, slot);
-  return m;
 }
 
 template <Features F>
 CAIRN_INLINE void store_springs(ContactList& contacts, const Slots& slot, const ContactMemory<Batch>& m) {
-  if constexpr (F.tangential) {
-    scatter(contacts.slide[0], slot, m.slide.x);
-    scatter(contacts.slide[1], slot, m.slide.y);
-    scatter(contacts.slide[2], slot, m.slide.z);
-  }
-  if constexpr (F.rolling) {
-    scatter(contacts.roll[0], slot, m.roll.x);
-    scatter(contacts.roll[1], slot, m.roll.y);
-    scatter(contacts.roll[2], slot, m.roll.z);
-  }
-  if constexpr (F.twisting) scatter(contacts.twist, slot, m.twist);
+  if constexpr (!F.tangential) return;
+  double* rows[kLanes];
+  for (std::size_t l = 0; l < kLanes; ++l) rows[l] = contacts.springs[slot[l]].slide;
+  if constexpr (F.rolling || F.twisting)
+    store_transposed({m.slide.x, m.slide.y, m.slide.z, m.c_s, m.roll.x, m.roll.y, m.roll.z, m.twist}, rows);
+  else
+    store_transposed({m.slide.x, m.slide.y, m.slide.z, m.c_s}, rows);
 }
 
 LawConstants<Batch> gather_laws(const Bodies& bodies, const SweepSettings& settings,
@@ -151,8 +141,13 @@ void add_first_touches(const ContactList& contacts, const Slots& slot, Mask fres
 /// Takes j where i sees it: in another cell, or as an image that moves with the box.
 CAIRN_INLINE void see_shifted(const ContactList& contacts, const Slots& slot, Triple<Batch>& d,
                               Triple<Batch>& u, Triple<Batch>& u_mid) {
-  const Triple<Batch> steps{gather(contacts.shift[0], slot), gather(contacts.shift[1], slot),
-                            gather(contacts.shift[2], slot)};
+  Triple<Batch> steps;
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const std::array<double, 3>& s = contacts.shift[slot[l]];
+    steps.x.v[l] = s[0];
+    steps.y.v[l] = s[1];
+    steps.z.v[l] = s[2];
+  }
   const Vec3 &edge = contacts.lattice, &rate = contacts.lattice_rate;
   d = {fma(edge[0], steps.x, d.x), fma(edge[1], steps.y, d.y), fma(edge[2], steps.z, d.z)};
   const Triple<Batch> flow{edge[0] * rate[0] * steps.x, edge[1] * rate[1] * steps.y,
@@ -161,61 +156,8 @@ CAIRN_INLINE void see_shifted(const ContactList& contacts, const Slots& slot, Tr
   u_mid = u_mid + flow;
 }
 
-/// Eight touching pairs at once.
+/// The pairs of one block of spheres.
 template <Features F>
-void evaluate_batch(const std::vector<SphereMotion>& motions, const LawConstants<Batch>& law, double dt,
-                    ContactList& contacts, const Slots& slot, Mask fresh, Batch& dissipated,
-                    Batch& overlap_ratio, std::vector<PartialKick>& kicks) {
-  std::uint32_t index_i[kLanes], index_j[kLanes];
-  for (std::size_t l = 0; l < kLanes; ++l) {
-    index_i[l] = contacts.pair(slot[l]).i;
-    index_j[l] = contacts.pair(slot[l]).j;
-  }
-  const MotionBatch a = load_motions(motions, index_i), b = load_motions(motions, index_j);
-  const Batch one(1.0), half(0.5);
-
-  Triple<Batch> d = b.position - a.position, u = b.velocity - a.velocity,
-                u_mid = b.velocity_mid - a.velocity_mid;
-  if (contacts.shifted()) see_shifted(contacts, slot, d, u, u_mid);
-  const Triple<Batch> d_mid = fma(Batch(-0.5 * dt), u_mid, d);
-  const Batch distance = sqrt(dot(d, d)), distance_mid = sqrt(dot(d_mid, d_mid));
-  const Batch inverse = one / distance, inverse_mid = one / distance_mid;
-  const Batch sum = a.radius + b.radius;
-  // Contact point on the radical plane: lever arms (d^2 +- (r_i^2 - r_j^2)) / 2d from the two centres.
-  const Batch step = (a.radius - b.radius) * sum;
-  const Batch arm_i = half * fma(step, inverse, distance), arm_j = distance - arm_i;
-  const Batch arm_i_mid = half * fma(step, inverse_mid, distance_mid), arm_j_mid = distance_mid - arm_i_mid;
-
-  ContactGeometry<Batch> geometry;
-  geometry.n = inverse * d;
-  geometry.n_mid = inverse_mid * d_mid;
-  geometry.overlap = sum - distance;
-  geometry.radius = a.radius * b.radius / sum;
-  if constexpr (F.rolling_slip) geometry.slip_lever = half * (arm_j - arm_i) / (arm_i * arm_j);
-
-  ContactMotion<Batch> motion;
-  motion.u = u - cross(fma(arm_i, a.spin, arm_j * b.spin), geometry.n);
-  motion.u_mid = u_mid - cross(fma(arm_i_mid, a.spin_mid, arm_j_mid * b.spin_mid), geometry.n_mid);
-  motion.w = b.spin - a.spin;
-  motion.w_mid = b.spin_mid - a.spin_mid;
-  motion.turn = half * (a.spin_mid + b.spin_mid);
-  motion.dt = dt;
-  const bool any_fresh = any(fresh);
-  if (any_fresh)
-    motion.dt = select(fresh, age(geometry.overlap, dot(motion.u_mid, geometry.n_mid), Batch(dt)), Batch(dt));
-
-  ContactMemory<Batch> memory = load_memory<F>(contacts, slot);
-  const ContactAction<Batch> action = evaluate<F>(law, geometry, motion, memory);
-  store_springs<F>(contacts, slot, memory);
-  const Triple<Batch> moment = cross(geometry.n, action.force);
-  store_wrenches(contacts, slot, action.force, fma(arm_i, moment, action.couple),
-                 fma(arm_j, moment, Batch(-1.0) * action.couple));
-  dissipated += action.dissipated;
-  overlap_ratio = max(overlap_ratio, geometry.overlap / min(a.radius, b.radius));
-  if (any_fresh) add_first_touches(contacts, slot, fresh, geometry, motion.dt, law.k_n, dt, kicks);
-}
-
-/// The touching pairs of one block of spheres.
 class Block {
  public:
   Block(const Bodies& bodies, const std::vector<SphereMotion>& motions, const SweepSettings& settings,
@@ -224,82 +166,177 @@ class Block {
         motions_(motions),
         settings_(settings),
         contacts_(contacts),
-        begin_(begin),
-        end_(end),
+        first_(contacts.begin(begin)),
+        last_(contacts.begin(end)),
+        single_(settings.laws[0]),
         kicks_(contacts.kicks[begin / kBlock]) {
     kicks_.clear();
   }
 
-  template <Features F>
-  SweepReport run(std::vector<std::uint32_t>& active) {
+  SweepReport run(std::vector<std::uint32_t>& active, std::vector<std::uint32_t>& fresh) {
     const std::size_t count =
-        contacts_.shifted() ? find_touching<F, true>(active) : find_touching<F, false>(active);
-    Batch dissipated(0.0), overlap_ratio(0.0);
-    const LawConstants<Batch> single(settings_.laws[0]);
-    for (std::size_t k = 0; k < count; k += kLanes) {
-      Slots slot;
-      Mask fresh{}, used{};
-      bool any_fresh = false;
-      // Spare lanes repeat the last contact: same values, same slot.
-      for (std::size_t l = 0; l < kLanes; ++l) {
-        const std::size_t at = std::min(k + l, count - 1);
-        slot.index[l] = active[at];
-        used.v[l] = k + l < count ? -1 : 0;
-        if (!contacts_.touching(slot[l])) {
-          fresh.v[l] = -1;
-          any_fresh = true;
-        }
-      }
-      slot.consecutive = k + kLanes <= count && slot[kLanes - 1] - slot[0] == kLanes - 1;
-      if (any_fresh)
-        for (std::size_t l = 0; l < kLanes; ++l)
-          if (fresh.v[l]) set_damping(bodies_, settings_, contacts_, slot[l]);
-      Batch lost(0.0), deepest(0.0);
-      const LawConstants<Batch> law =
-          settings_.materials == 1 ? single : gather_laws(bodies_, settings_, contacts_, slot);
-      evaluate_batch<F>(motions_, law, settings_.dt, contacts_, slot, fresh, lost, deepest, kicks_);
-      dissipated += select(used, lost, Batch(0.0));
-      overlap_ratio = max(overlap_ratio, deepest);
+        contacts_.shifted() ? find_pairs<true>(active, fresh) : find_pairs<false>(active, fresh);
+    Slots slot;
+    std::size_t k = 0;
+    for (; k + kLanes <= count; k += kLanes) {
+      for (std::size_t l = 0; l < kLanes; ++l) slot.index[l] = active[k + l];
+      slot.consecutive = slot[kLanes - 1] - slot[0] == kLanes - 1;
+      if (k + 2 * kLanes <= count)
+        for (std::size_t l = 0; l < kLanes; ++l) fetch(active[k + kLanes + l]);
+      evaluate_batch<false>(slot, kLanes);
+    }
+    if (k < count) {  // spare lanes repeat the last contact: same values, same slot
+      for (std::size_t l = 0; l < kLanes; ++l) slot.index[l] = active[std::min(k + l, count - 1)];
+      slot.consecutive = false;
+      evaluate_batch<true>(slot, count - k);
     }
     SweepReport out{.dissipated = released_};
     for (std::size_t l = 0; l < kLanes; ++l) {
-      out.dissipated += dissipated[l];
-      out.overlap_ratio = std::max(out.overlap_ratio, overlap_ratio[l]);
+      out.dissipated += dissipated_[l];
+      out.overlap_ratio = std::max(out.overlap_ratio, overlap_ratio_[l]);
     }
     return out;
   }
 
  private:
-  /// Writes the touching slots to `active`, ends contacts that have parted (their springs' energy is lost).
-  template <Features F, bool shifted>
-  std::size_t find_touching(std::vector<std::uint32_t>& active) {
-    const std::uint32_t first = contacts_.begin(begin_), last = contacts_.begin(end_);
-    active.resize(last - first);
-    std::size_t count = 0;
-    for (std::size_t s = begin_; s < end_; ++s) {
-      const SphereMotion& a = motions_[s];
-      for (std::uint32_t slot = contacts_.begin(s); slot < contacts_.begin(s + 1); ++slot) {
-        const SphereMotion& b = motions_[contacts_.pair(slot).j];
-        double x = b.position[0] - a.position[0], y = b.position[1] - a.position[1],
-               z = b.position[2] - a.position[2];
-        if constexpr (shifted) {
-          x = fma(contacts_.lattice[0], contacts_.shift[0][slot], x);
-          y = fma(contacts_.lattice[1], contacts_.shift[1][slot], y);
-          z = fma(contacts_.lattice[2], contacts_.shift[2][slot], z);
-        }
-        const double sum = a.radius + b.radius;
-        const bool touch = fma(x, x, fma(y, y, z * z)) < sum * sum;
-        active[count] = slot;
-        count += touch;
-        if (!touch && contacts_.touching(slot)) part<F>(slot, {x, y, z}, sum);
-      }
+  /// Writes the slots of pairs that touch or did so a step ago to `active`, in order.
+  template <bool shifted>
+  std::size_t find_pairs(std::vector<std::uint32_t>& active, std::vector<std::uint32_t>& fresh) const {
+    active.resize(last_ - first_);
+    fresh.resize(last_ - first_);
+    std::size_t count = 0, apart = 0;
+    for (std::uint32_t slot = first_; slot < last_; ++slot) {
+      const bool touching = contacts_.touching(slot);
+      active[count] = fresh[apart] = slot;
+      count += touching;
+      apart += !touching;
     }
-    return count;
+    const Spheres& spheres = bodies_.spheres;
+    std::size_t begun = 0;
+    for (std::size_t k = 0; k < apart; ++k) {
+      const std::uint32_t slot = fresh[k];
+      const Pair pair = contacts_.pair(slot);
+      const Vec3 &a = spheres.position[pair.i], &b = spheres.position[pair.j];
+      double x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
+      if constexpr (shifted) {
+        const std::array<double, 3>& steps = contacts_.shift[slot];
+        x = fma(contacts_.lattice[0], steps[0], x);
+        y = fma(contacts_.lattice[1], steps[1], y);
+        z = fma(contacts_.lattice[2], steps[2], z);
+      }
+      const double sum = spheres.radius[pair.i] + spheres.radius[pair.j];
+      fresh[begun] = slot;
+      begun += fma(x, x, fma(y, y, z * z)) < sum * sum;
+    }
+    // Merges from behind.
+    const std::size_t total = count + begun;
+    for (std::size_t at = total; begun > 0; --at) {
+      const bool old = count > 0 && active[count - 1] > fresh[begun - 1];
+      active[at - 1] = old ? active[--count] : fresh[--begun];
+    }
+    return total;
   }
 
-  /// Ends the contact of two spheres whose centres are now `d` apart.
-  template <Features F>
-  void part(std::uint32_t slot, const Vec3& d, double radii) {
+  /// The partner's motion is somewhere else in memory.
+  void fetch(std::uint32_t slot) const {
+    const SphereMotion& j = motions_[contacts_.pair(slot).j];
+    __builtin_prefetch(j.position);
+    __builtin_prefetch(j.position + 8);
+  }
+
+  /// Eight pairs at once, of which the first `used` count. A batch in which no contact begins or ends needs
+  /// no call, and so can keep its values in registers; any other one starts again with `changes`.
+  template <bool changes>
+  [[gnu::noinline]] void evaluate_batch(const Slots& slot, std::size_t used) {
+    std::uint32_t index_i[kLanes], index_j[kLanes];
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      index_i[l] = contacts_.pair(slot[l]).i;
+      index_j[l] = contacts_.pair(slot[l]).j;
+    }
+    const MotionBatch a = load_motions(motions_, index_i), b = load_motions(motions_, index_j);
+    const Batch half(0.5), dt(settings_.dt);
+
+    Triple<Batch> d = b.position - a.position, u = b.velocity - a.velocity,
+                  u_mid = b.velocity_mid - a.velocity_mid;
+    if (any_shifted(slot)) see_shifted(contacts_, slot, d, u, u_mid);
+    const Triple<Batch> d_mid = fma(Batch(-0.5) * dt, u_mid, d);
+    const Batch sum = a.radius + b.radius;
+    const Batch square = dot(d, d);
+    const Mask parted = !(square < sum * sum);
+    ContactMemory<Batch> memory;
+    memory.c_n = gather(contacts_.c_n, slot);
+    const Mask fresh = (memory.c_n < Batch(0.0)) & !parted;
+    if constexpr (changes) {
+      for (std::size_t l = 0; l < used; ++l) {
+        if (parted.v[l]) part(slot[l], {d.x[l], d.y[l], d.z[l]}, sum[l]);
+        if (fresh.v[l]) set_damping(bodies_, settings_, contacts_, slot[l]);
+      }
+      memory.c_n = gather(contacts_.c_n, slot);
+    } else if (any(parted | fresh)) {
+      return evaluate_batch<true>(slot, used);
+    }
+
+    const Batch least(1e-300);  // for centres that coincide
+    const Batch d2 = max(square, least), d2_mid = max(dot(d_mid, d_mid), least);
+    const Batch inverse = rsqrt(d2), inverse_mid = rsqrt(d2_mid);
+    const Batch rough = d2 * inverse, distance_mid = d2_mid * inverse_mid;
+    const Batch distance = fma(fma(-rough, rough, d2), half * inverse, rough);  // overlaps need its last bit
+    // Contact point on the radical plane: lever arms (d^2 +- (r_i^2 - r_j^2)) / 2d from the two centres.
+    const Batch step = (a.radius - b.radius) * sum;
+    const Batch arm_i = half * fma(step, inverse, distance), arm_j = distance - arm_i;
+    const Batch arm_i_mid = half * fma(step, inverse_mid, distance_mid), arm_j_mid = distance_mid - arm_i_mid;
+
+    ContactGeometry<Batch> geometry;
+    geometry.n = inverse * d;
+    geometry.n_mid = inverse_mid * d_mid;
+    geometry.overlap = sum - distance;
+    geometry.radius = a.radius * b.radius / sum;
+    if constexpr (F.rolling_slip) geometry.slip_lever = half * (arm_j - arm_i) / (arm_i * arm_j);
+
+    ContactMotion<Batch> motion;
+    motion.u = u - cross(fma(arm_i, a.spin, arm_j * b.spin), geometry.n);
+    motion.u_mid = u_mid - cross(fma(arm_i_mid, a.spin_mid, arm_j_mid * b.spin_mid), geometry.n_mid);
+    motion.w = b.spin - a.spin;
+    motion.w_mid = b.spin_mid - a.spin_mid;
+    motion.turn = half * (a.spin_mid + b.spin_mid);
+    motion.dt = dt;
+    if constexpr (changes)
+      motion.dt = select(fresh, age(geometry.overlap, dot(motion.u_mid, geometry.n_mid), dt), dt);
+    load_springs<F>(contacts_, slot, memory);
+
+    const LawConstants<Batch> law =
+        settings_.materials == 1 ? single_ : gather_laws(bodies_, settings_, contacts_, slot);
+    const ContactAction<Batch> action = evaluate<F>(law, geometry, motion, memory);
+    store_springs<F>(contacts_, slot, memory);
+    const Triple<Batch> moment = cross(geometry.n, action.force);
+    store_wrenches(contacts_, slot, action.force, fma(arm_i, moment, action.couple),
+                   fma(arm_j, moment, Batch(-1.0) * action.couple));
+    const Batch smaller = min(a.radius, b.radius);
+    if (any(geometry.overlap > overlap_ratio_ * smaller))
+      overlap_ratio_ = max(overlap_ratio_, geometry.overlap / smaller);
+    if constexpr (!changes) {
+      dissipated_ += action.dissipated;
+      return;
+    }
+    if (any(fresh))
+      add_first_touches(contacts_, slot, fresh, geometry, motion.dt, law.k_n, settings_.dt, kicks_);
+    for (std::size_t l = 0; l < used; ++l) {
+      if (parted.v[l])
+        contacts_.release(slot[l]);
+      else
+        dissipated_.v[l] += action.dissipated[l];
+    }
+  }
+
+  bool any_shifted(const Slots& slot) const {
+    if (!contacts_.shifted()) return false;
+    std::uint8_t found = 0;
+    for (std::size_t l = 0; l < kLanes; ++l) found |= contacts_.is_shifted[slot[l]];
+    return found != 0;
+  }
+
+  /// Ends the contact of two spheres whose centres are now `d` apart: what its springs hold is lost.
+  [[gnu::noinline]] void part(std::uint32_t slot, const Vec3& d, double radii) {
     const Pair& pair = contacts_.pair(slot);
     const SphereMotion &a = motions_[pair.i], &b = motions_[pair.j];
     const LawConstants<double> law(law_of(bodies_, settings_, pair));
@@ -319,8 +356,10 @@ class Block {
   const std::vector<SphereMotion>& motions_;
   const SweepSettings& settings_;
   ContactList& contacts_;
-  std::size_t begin_, end_;
+  const std::uint32_t first_, last_;  // slots
+  const LawConstants<Batch> single_;
   std::vector<PartialKick>& kicks_;
+  Batch dissipated_ = 0.0, overlap_ratio_ = 0.0;
   double released_ = 0.0;
 };
 
@@ -352,7 +391,8 @@ void set_damping(const Bodies& bodies, const SweepSettings& settings, ContactLis
     mu = effective_mass(inertia_of(bodies, bi), arm_i, inertia_of(bodies, bj), arm_j, n);
   }
   contacts.c_n[slot] = law.damping_n * std::sqrt(law.k_n * mu.normal);
-  contacts.c_s[slot] = law.damping_s * std::sqrt(law.k_s * mu.tangential);
+  if (settings.features.tangential)
+    contacts.springs[slot].c_s = law.damping_s * std::sqrt(law.k_s * mu.tangential);
 }
 
 SweepReport sweep(const Bodies& bodies, const std::vector<SphereMotion>& motions,
@@ -362,8 +402,8 @@ SweepReport sweep(const Bodies& bodies, const std::vector<SphereMotion>& motions
   contacts.kicks.resize(reports.size());
   with_features(settings.features, [&]<Features F>() {
     parallel_blocks(spheres, kBlock, [&](std::size_t begin, std::size_t end) {
-      static thread_local std::vector<std::uint32_t> active;
-      reports[begin / kBlock] = Block(bodies, motions, settings, contacts, begin, end).run<F>(active);
+      static thread_local std::vector<std::uint32_t> active, fresh;
+      reports[begin / kBlock] = Block<F>(bodies, motions, settings, contacts, begin, end).run(active, fresh);
     });
   });
   SweepReport total;
@@ -392,22 +432,30 @@ Pair deepest_pair(const Bodies& bodies, const ContactList& contacts) {
 
 void gather_wrenches(const ContactList& contacts, Bodies& bodies) {
   const Spheres& spheres = bodies.spheres;
+  // One load takes the force, torque_i and two thirds of torque_j.
+  const auto row = [&](std::size_t slot) {
+    Batch b;
+    __builtin_memcpy(&b, &contacts.wrench[slot], sizeof b);
+    return b;
+  };
   parallel_for(bodies.size(), [&](std::size_t b) {
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
     for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s) {
-      Vec3 f = Vec3::Zero(), t = Vec3::Zero();
+      Batch as_j(0.0);
+      double z = 0.0;
       for (std::uint32_t k = contacts.second_begin[s]; k < contacts.second_begin[s + 1]; ++k) {
-        const ContactWrench& w = contacts.wrench[contacts.second[k]];
-        f -= vector(w.force);
-        t += vector(w.torque_j);
+        const std::uint32_t slot = contacts.second[k];
+        as_j += row(slot);
+        z += contacts.wrench[slot].torque_j[2];
       }
-      for (std::uint32_t slot = contacts.begin(s); slot < contacts.begin(s + 1); ++slot) {
-        const ContactWrench& w = contacts.wrench[slot];
-        f += vector(w.force);
-        t += vector(w.torque_i);
-      }
+      constexpr Mask::Vector order{0, 1, 2, 6, 7, 5, 5, 5};
+      constexpr Batch::Vector sign{-1.0, -1.0, -1.0, 1.0, 1.0, 0.0, 0.0, 0.0};
+      Batch sum =
+          __builtin_shuffle(as_j.v, order) * sign + Batch::Vector{0.0, 0.0, 0.0, 0.0, 0.0, z, 0.0, 0.0};
+      for (std::uint32_t slot = contacts.begin(s); slot < contacts.begin(s + 1); ++slot) sum += row(slot);
+      const Vec3 f(sum[0], sum[1], sum[2]);
       force += f;
-      torque += t + (spheres.position[s] - bodies.position[b]).cross(f);
+      torque += Vec3(sum[3], sum[4], sum[5]) + (spheres.position[s] - bodies.position[b]).cross(f);
     }
     bodies.force[b] += force;
     bodies.torque[b] += torque;

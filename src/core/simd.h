@@ -2,6 +2,10 @@
 // The same functions exist for double, so that one template serves a scalar test and a vector sweep.
 #pragma once
 
+#ifdef __AVX512F__
+#include <immintrin.h>
+#endif
+
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -19,6 +23,7 @@ struct Mask {
   Vector v;
   CAIRN_INLINE friend Mask operator&(Mask a, Mask b) { return {a.v & b.v}; }
   CAIRN_INLINE friend Mask operator|(Mask a, Mask b) { return {a.v | b.v}; }
+  CAIRN_INLINE friend Mask operator!(Mask a) { return {~a.v}; }
 };
 
 struct Batch {
@@ -44,9 +49,13 @@ struct Batch {
 };
 
 CAIRN_INLINE bool any(Mask m) {
+#ifdef __AVX512F__
+  return _mm512_test_epi64_mask((__m512i)m.v, (__m512i)m.v) != 0;
+#else
   std::int64_t bits = 0;
   for (std::size_t l = 0; l < kLanes; ++l) bits |= m.v[l];
   return bits != 0;
+#endif
 }
 CAIRN_INLINE bool any(bool m) {
   return m;
@@ -106,58 +115,81 @@ CAIRN_INLINE Batch fma(Batch a, Batch b, Batch c) {
 #endif
 }
 
-/// Reads 8 consecutive doubles from each of 8 rows: column k of the rows comes out as out[k].
-CAIRN_INLINE void load_transposed(const double* const (&rows)[kLanes], Batch (&out)[kLanes]);
-
-/// The inverse: writes in[k], lane l to rows[l][k].
-CAIRN_INLINE void store_transposed(const Batch (&in)[kLanes], double* const (&rows)[kLanes]);
+/// 1 / sqrt(a) to the last bit or two, for a > 0: where the instruction set has an estimate of 14 bits, from
+/// that by one step of fourth order, which needs neither a root nor a division.
+CAIRN_INLINE double rsqrt(double a) {
+  return 1.0 / __builtin_sqrt(a);
+}
+CAIRN_INLINE Batch rsqrt(Batch a) {
+#ifdef __AVX512F__
+  const Batch y = (Batch::Vector)_mm512_maskz_rsqrt14_pd(0xff, (__m512d)a.v);
+  const Batch e = fma(a * y, -y, Batch(1.0));
+  return fma(y * e, fma(e, fma(e, Batch(0.3125), Batch(0.375)), Batch(0.5)), y);
+#else
+  return Batch(1.0) / sqrt(a);
+#endif
+}
 
 namespace simd_detail {
 
 using V = Batch::Vector;
+using Half = double __attribute__((vector_size(32)));
 using I = Mask::Vector;
 
-CAIRN_INLINE V load(const double* p) {
-  V v;
-  __builtin_memcpy(&v, p, sizeof v);
-  return v;
+/// Four doubles from each of two places.
+CAIRN_INLINE V load(const double* low, const double* high) {
+#ifdef __AVX512F__
+  return (V)_mm512_maskz_insertf64x4(0xff, _mm512_castpd256_pd512(_mm256_loadu_pd(low)),
+                                     _mm256_loadu_pd(high), 1);
+#else
+  Half a, b;
+  __builtin_memcpy(&a, low, sizeof a);
+  __builtin_memcpy(&b, high, sizeof b);
+  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+#endif
 }
 
-/// Transposes an 8 x 8 block held in registers: pairs, quads, halves.
-CAIRN_INLINE void transpose(V (&r)[8]) {
+/// Transposes two 4 x 4 blocks side by side: pairs, then halves.
+CAIRN_INLINE void transpose(V (&r)[4]) {
   constexpr I low1{0, 8, 2, 10, 4, 12, 6, 14}, high1{1, 9, 3, 11, 5, 13, 7, 15};
   constexpr I low2{0, 1, 8, 9, 4, 5, 12, 13}, high2{2, 3, 10, 11, 6, 7, 14, 15};
-  constexpr I low4{0, 1, 2, 3, 8, 9, 10, 11}, high4{4, 5, 6, 7, 12, 13, 14, 15};
-  V a[8], b[8];
-  for (int k = 0; k < 8; k += 2) {
-    a[k] = __builtin_shuffle(r[k], r[k + 1], low1);
-    a[k + 1] = __builtin_shuffle(r[k], r[k + 1], high1);
-  }
-  for (int k = 0; k < 8; k += 4)
-    for (int m = 0; m < 2; ++m) {
-      b[k + m] = __builtin_shuffle(a[k + m], a[k + m + 2], low2);
-      b[k + m + 2] = __builtin_shuffle(a[k + m], a[k + m + 2], high2);
-    }
-  for (int k = 0; k < 4; ++k) {
-    r[k] = __builtin_shuffle(b[k], b[k + 4], low4);
-    r[k + 4] = __builtin_shuffle(b[k], b[k + 4], high4);
-  }
+  const V a = __builtin_shuffle(r[0], r[1], low1), b = __builtin_shuffle(r[0], r[1], high1);
+  const V c = __builtin_shuffle(r[2], r[3], low1), d = __builtin_shuffle(r[2], r[3], high1);
+  r[0] = __builtin_shuffle(a, c, low2);
+  r[1] = __builtin_shuffle(b, d, low2);
+  r[2] = __builtin_shuffle(a, c, high2);
+  r[3] = __builtin_shuffle(b, d, high2);
 }
 
 }  // namespace simd_detail
 
-CAIRN_INLINE void load_transposed(const double* const (&rows)[kLanes], Batch (&out)[kLanes]) {
-  simd_detail::V r[8];
-  for (std::size_t k = 0; k < kLanes; ++k) r[k] = simd_detail::load(rows[k]);
-  simd_detail::transpose(r);
-  for (std::size_t k = 0; k < kLanes; ++k) out[k] = r[k];
+/// Reads `columns` (4 or 8) consecutive doubles from each of 8 rows: column k of the rows comes out as
+/// out[k].
+template <std::size_t columns>
+CAIRN_INLINE void load_transposed(const double* const (&rows)[kLanes], Batch (&out)[columns]) {
+  static_assert(columns == 4 || columns == 8);
+  for (std::size_t c = 0; c < columns; c += 4) {
+    simd_detail::V r[4];
+    for (std::size_t k = 0; k < 4; ++k) r[k] = simd_detail::load(rows[k] + c, rows[k + 4] + c);
+    simd_detail::transpose(r);
+    for (std::size_t k = 0; k < 4; ++k) out[c + k] = r[k];
+  }
 }
 
-CAIRN_INLINE void store_transposed(const Batch (&in)[kLanes], double* const (&rows)[kLanes]) {
-  simd_detail::V r[8];
-  for (std::size_t k = 0; k < kLanes; ++k) r[k] = in[k].v;
-  simd_detail::transpose(r);
-  for (std::size_t k = 0; k < kLanes; ++k) __builtin_memcpy(rows[k], &r[k], sizeof r[k]);
+/// The inverse: writes in[k], lane l to rows[l][k].
+template <std::size_t columns>
+CAIRN_INLINE void store_transposed(const Batch (&in)[columns], double* const (&rows)[kLanes]) {
+  static_assert(columns == 4 || columns == 8);
+  for (std::size_t c = 0; c < columns; c += 4) {
+    simd_detail::V r[4];
+    for (std::size_t k = 0; k < 4; ++k) r[k] = in[c + k].v;
+    simd_detail::transpose(r);
+    for (std::size_t k = 0; k < 4; ++k) {
+      __builtin_memcpy(rows[k] + c, &r[k], sizeof(simd_detail::Half));
+      const simd_detail::Half high = __builtin_shufflevector(r[k], r[k], 4, 5, 6, 7);
+      __builtin_memcpy(rows[k + 4] + c, &high, sizeof high);
+    }
+  }
 }
 
 /// A vector whose components are doubles or batches.

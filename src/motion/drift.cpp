@@ -1,55 +1,137 @@
 #include "motion/drift.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
 
 #include "body/cells.h"
 #include "core/parallel.h"
+#include "core/vector.h"
 
 namespace cairn {
 
 namespace {
 
+template <class T>
 struct SineCosine {
-  double sine, cosine;
+  T sine, cosine;
 };
 
-/// sin and cos; the angles of a step are small, where the series is exact to round-off and far cheaper.
-SineCosine sine_cosine(double x) {
-  const double x2 = x * x;
-  if (x2 > 0.04) return {std::sin(x), std::cos(x)};
-  const double sine =
-      x * (1.0 - x2 / 6 * (1.0 - x2 / 20 * (1.0 - x2 / 42 * (1.0 - x2 / 72 * (1.0 - x2 / 110)))));
-  const double cosine =
-      1.0 - x2 / 2 * (1.0 - x2 / 12 * (1.0 - x2 / 30 * (1.0 - x2 / 56 * (1.0 - x2 / 90 * (1.0 - x2 / 132)))));
-  return {sine, cosine};
+/// Where the series of `sine_cosine` does not reach.
+void set_exactly(double x, bool large, SineCosine<double>& out) {
+  if (large) out = {std::sin(x), std::cos(x)};
+}
+void set_exactly(Batch x, Mask large, SineCosine<Batch>& out) {
+  for (std::size_t l = 0; l < kLanes; ++l)
+    if (large.v[l]) {
+      out.sine.v[l] = std::sin(x[l]);
+      out.cosine.v[l] = std::cos(x[l]);
+    }
+}
+
+/// The angles of a step are small, where the series is exact to round-off and far cheaper.
+template <class T>
+CAIRN_INLINE SineCosine<T> sine_cosine(T x) {
+  const T x2 = x * x, one(1.0);
+  T s = fma(x2, T(-1.0 / 110), one), c = fma(x2, T(-1.0 / 132), one);
+  s = fma(x2 * T(-1.0 / 72), s, one);
+  c = fma(x2 * T(-1.0 / 90), c, one);
+  s = fma(x2 * T(-1.0 / 42), s, one);
+  c = fma(x2 * T(-1.0 / 56), c, one);
+  s = fma(x2 * T(-1.0 / 20), s, one);
+  c = fma(x2 * T(-1.0 / 30), c, one);
+  s = fma(x2 * T(-1.0 / 6), s, one);
+  c = fma(x2 * T(-1.0 / 12), c, one);
+  SineCosine<T> out{x * s, fma(T(-0.5) * x2, c, one)};
+  const auto large = x2 > T(0.04);
+  if (any(large)) set_exactly(x, large, out);
+  return out;
+}
+
+/// Quat, one or eight at a time.
+template <class T>
+struct Quaternion {
+  T w;
+  Triple<T> v;
+
+  CAIRN_INLINE friend Quaternion operator*(const Quaternion& a, const Quaternion& b) {
+    return {fma(a.w, b.w, -dot(a.v, b.v)), fma(a.w, b.v, fma(b.w, a.v, cross(a.v, b.v)))};
+  }
+  CAIRN_INLINE Quaternion conjugate() const { return {w, T(-1.0) * v}; }
+  CAIRN_INLINE Triple<T> rotate(const Triple<T>& a) const {
+    const Triple<T> b = cross(v, a);
+    return fma(T(2.0), fma(w, b, cross(v, b)), a);
+  }
+  CAIRN_INLINE Quaternion normalized() const {
+    const T scale = rsqrt(fma(w, w, dot(v, v)));
+    return {scale * w, scale * v};
+  }
+};
+
+template <int k, class T>
+CAIRN_INLINE T& component(Triple<T>& a) {
+  if constexpr (k == 0)
+    return a.x;
+  else if constexpr (k == 1)
+    return a.y;
+  else
+    return a.z;
 }
 
 /// Free flow of H = p_k^2 / (2 I_k) over dt: body-frame momentum p turns by -angle about axis k, the attitude
 /// by +angle.
-template <int k>
-void turn(Quat& q, Vec3& p, double inertia, double dt) {
+template <int k, class T>
+CAIRN_INLINE void turn(Quaternion<T>& q, Triple<T>& p, Triple<T> inverse_inertia, T dt) {
   constexpr int a = (k + 1) % 3, b = (k + 2) % 3;
-  const SineCosine half = sine_cosine(0.5 * dt * p[k] / inertia);
-  const double sine = 2.0 * half.sine * half.cosine, cosine = 1.0 - 2.0 * half.sine * half.sine;
-  const double pa = p[a], pb = p[b];
-  p[a] = cosine * pa + sine * pb;
-  p[b] = cosine * pb - sine * pa;
-  Vec3 axis = Vec3::Zero();
-  axis[k] = half.sine;
-  q = q * Quat(half.cosine, axis.x(), axis.y(), axis.z());
+  const SineCosine<T> half = sine_cosine(T(0.5) * dt * component<k>(p) * component<k>(inverse_inertia));
+  const T sine = T(2.0) * half.sine * half.cosine, cosine = fma(T(-2.0) * half.sine, half.sine, T(1.0));
+  T &pa = component<a>(p), &pb = component<b>(p);
+  const T pa0 = pa, pb0 = pb;
+  pa = fma(cosine, pa0, sine * pb0);
+  pb = fma(cosine, pb0, -(sine * pa0));
+  Quaternion<T> about{half.cosine, {T(0.0), T(0.0), T(0.0)}};
+  component<k>(about.v) = half.sine;
+  q = q * about;
 }
 
 /// Rotation over dt, in the body frame before it, of a free top with momentum p in that frame.
-Quat free_top_turn(Vec3 p, const Vec3& inertia, double dt) {
-  Quat q = Quat::Identity();
-  turn<0>(q, p, inertia[0], 0.5 * dt);
-  turn<1>(q, p, inertia[1], 0.5 * dt);
-  turn<2>(q, p, inertia[2], dt);
-  turn<1>(q, p, inertia[1], 0.5 * dt);
-  turn<0>(q, p, inertia[0], 0.5 * dt);
+template <class T>
+CAIRN_INLINE Quaternion<T> free_top_turn(Triple<T> p, const Triple<T>& inertia, T dt) {
+  const T one(1.0), zero(0.0), half = T(0.5) * dt;
+  const Triple<T> inverse{one / inertia.x, one / inertia.y, one / inertia.z};
+  Quaternion<T> q{one, {zero, zero, zero}};
+  turn<0>(q, p, inverse, half);
+  turn<1>(q, p, inverse, half);
+  turn<2>(q, p, inverse, dt);
+  turn<1>(q, p, inverse, half);
+  turn<0>(q, p, inverse, half);
   return q;
+}
+
+/// Eight bodies turn over dt; spare places repeat a body.
+void turn_bodies(Bodies& bodies, const std::size_t (&index)[kLanes], double dt, std::vector<Vec3>& spin_mid) {
+  double* rows[kLanes];
+  Triple<Batch> momentum, inertia;
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    rows[l] = bodies.orientation[index[l]].coeffs().data();
+    const Vec3 &spin = bodies.spin[index[l]], &moments = bodies.inertia[index[l]];
+    momentum.x.v[l] = spin.x();
+    momentum.y.v[l] = spin.y();
+    momentum.z.v[l] = spin.z();
+    inertia.x.v[l] = moments.x();
+    inertia.y.v[l] = moments.y();
+    inertia.z.v[l] = moments.z();
+  }
+  Batch q[4];
+  load_transposed({rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6], rows[7]}, q);
+  const Quaternion<Batch> attitude{q[3], {q[0], q[1], q[2]}};
+  const Batch step(dt);
+  const Quaternion<Batch> turn = free_top_turn(attitude.conjugate().rotate(momentum), inertia, step);
+  const Triple<Batch> w = attitude.rotate(Batch(2.0) / (step * turn.w) * turn.v);
+  const Quaternion<Batch> turned = (attitude * turn).normalized();
+  store_transposed({turned.v.x, turned.v.y, turned.v.z, turned.w}, rows);
+  for (std::size_t l = 0; l < kLanes; ++l) spin_mid[index[l]] = {w.x[l], w.y[l], w.z[l]};
 }
 
 /// x + rest += way, with what x cannot hold in `rest` (Knuth's two-sum). Equal steps are rounded alike:
@@ -69,7 +151,10 @@ double tangent_ratio(double x2) {
 }  // namespace
 
 Quat rotate_free_top(const Quat& attitude, const Vec3& angular_momentum, const Vec3& inertia, double dt) {
-  return (attitude * free_top_turn(attitude.conjugate() * angular_momentum, inertia, dt)).normalized();
+  const Quaternion<double> q{attitude.w(), triple(attitude.vec())};
+  const Quaternion<double> turned =
+      (q * free_top_turn(q.conjugate().rotate(triple(angular_momentum)), triple(inertia), dt)).normalized();
+  return {turned.w, turned.v.x, turned.v.y, turned.v.z};
 }
 
 void kick(Bodies& bodies, double dt) {
@@ -84,19 +169,24 @@ void drift(Bodies& bodies, double dt, std::vector<Vec3>& spin_mid) {
   const double reach =
       bodies.cell_edge > 0.0 ? kCellReach * bodies.cell_edge : std::numeric_limits<double>::infinity();
   std::atomic<bool> left = false;
-  parallel_for(bodies.size(), [&](std::size_t b) {
-    Vec3& x = bodies.position[b];
-    add_exactly(x, bodies.remainder[b], dt * bodies.velocity[b]);
-    if (x.cwiseAbs().maxCoeff() > reach) left.store(true, std::memory_order_relaxed);
-    if (bodies.sphere_count(b) == 1) {  // the attitude of a loose sphere moves nothing
-      const Vec3 w = bodies.spin[b].cwiseQuotient(bodies.inertia[b]);
-      spin_mid[b] = tangent_ratio(0.25 * dt * dt * w.squaredNorm()) * w;
-      return;
+  parallel_blocks(bodies.size(), 128, [&](std::size_t begin, std::size_t end) {
+    std::size_t turning[kLanes], count = 0;
+    for (std::size_t b = begin; b < end; ++b) {
+      Vec3& x = bodies.position[b];
+      add_exactly(x, bodies.remainder[b], dt * bodies.velocity[b]);
+      if (x.cwiseAbs().maxCoeff() > reach) left.store(true, std::memory_order_relaxed);
+      if (bodies.sphere_count(b) == 1) {  // the attitude of a loose sphere moves nothing
+        const Vec3 w = (1.0 / bodies.inertia[b].x()) * bodies.spin[b];
+        spin_mid[b] = tangent_ratio(0.25 * dt * dt * w.squaredNorm()) * w;
+      } else {
+        turning[count++] = b;
+      }
+      if (count == kLanes || (count > 0 && b + 1 == end)) {
+        std::fill(turning + count, turning + kLanes, turning[0]);
+        turn_bodies(bodies, turning, dt, spin_mid);
+        count = 0;
+      }
     }
-    Quat& attitude = bodies.orientation[b];
-    const Quat turn = free_top_turn(attitude.conjugate() * bodies.spin[b], bodies.inertia[b], dt);
-    spin_mid[b] = attitude * (2.0 / (dt * turn.w()) * turn.vec());
-    attitude = (attitude * turn).normalized();
   });
   if (left) settle_cells(bodies);
 }

@@ -63,7 +63,8 @@ Strain begin_strain(const Physics& physics, const Box& box) {
 /// Makes the list of candidate pairs good for the present positions.
 void refresh_neighbours(const Physics& physics, State& state, Scratch& scratch) {
   ++scratch.list_age;
-  if (!scratch.candidates.expired(state.bodies, state.clock.time(), state.box)) {
+  if (!scratch.candidates.too_wide(scratch.list_age) &&
+      !scratch.candidates.expired(state.bodies, state.clock.time(), state.box)) {
     set_lattice(state.bodies, state.box, state.contacts);
     return;
   }

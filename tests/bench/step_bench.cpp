@@ -1,61 +1,99 @@
-// Whole steps of a dense packing with every contact feature on, no gravity: million sphere-steps per second.
+// Whole steps of settled packings, every phase and every set of contact features: million sphere-steps per
+// second. The packings are made by bench_packing; the folder that holds them is the first argument.
 #include <benchmark/benchmark.h>
 
-#include "core/random.h"
-#include "shape/library.h"
+#include <time.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "core/parallel.h"
+#include "core/timer.h"
+#include "pile/assemble.h"
 #include "sim/step.h"
 
 namespace cairn {
 namespace {
 
-/// A cubic lattice of bodies, slightly overlapping and slowly jostling: loose spheres touch 6 others; the
-/// faces of neighbouring cubes of 8 spheres touch at 4 spheres.
+const std::map<std::string, std::string> kMaterials{
+    {"normal", "friction = 0\nfriction_rolling = 0\nfriction_twisting = 0\n"},
+    {"friction", "friction_rolling = 0\nfriction_twisting = 0\n"},
+    {"whole", ""},
+    {"cohesion", "cohesion = 100\n"}};
+
+/// A packing as it was left by its build, with the material's springs as they come.
 struct Packing {
   Scene scene;
   State state;
   Scratch scratch;
   Physics physics;
 
-  Packing(const char* shape, double spacing, int side) {
-    Bodies& bodies = state.bodies;
-    const RigidShape rigid = make_rigid(load_shape(shape), MassModel::union_volume);
-    Random random(1, 0);
-    for (int k = 0; k < side; ++k)
-      for (int j = 0; j < side; ++j)
-        for (int i = 0; i < side; ++i)
-          add_body(bodies, rigid, 0, 1.0, 2500.0, 0,
-                   {.position = spacing * Vec3(i, j, k),
-                    .velocity = 1e-5 * random.direction(),
-                    .angular_velocity = 1e-5 * random.direction()});
-    state.remnant.assign(bodies.size(), 1);
-    Material material;
-    material.cohesion = 100.0;
-    scene.materials = {material};
-    scene.contact.stiffness = 1e8;
-    scene.gravity.method = GravityMethod::none;
-    scene.stages.resize(1);
-    scene.stages[0].duration = 1.0;
-    physics = resolve_physics(scene, 0, bodies, *scene.contact.stiffness);
-    begin_stage(physics, {}, state, scratch);
+  Packing(const std::string& pile, const std::string& material) {
+    const std::string text =
+        "pile = \"" + pile +
+        "\"\n[box]\nsize = [0, 0, 0]\n[gravity]\nmethod = \"none\"\n[[material]]\nname = "
+        "\"nominal\"\n" +
+        kMaterials.at(material) +
+        "[[material]]\nname = \"smooth\"\n[[stage]]\nname = \"bench\"\nduration = "
+        "1e6\nmaterial = \"nominal\"\n[contact]\nstiffness = 1e7\n";
+    scene = parse_scene(text, "bench.toml", ".");
+    Setup setup = assemble(scene);
+    state.bodies = std::move(setup.bodies);
+    state.box = setup.box;
+    state.k_n = setup.k_n;
+    state.remnant.assign(state.bodies.size(), 1);
+    use_threads_for(state.bodies.spheres.size());
+    physics = resolve_physics(scene, 0, state.bodies, *scene.contact.stiffness);
+    begin_stage(physics, setup.contacts, state, scratch);
+    state.clock.dt = physics.contacts.dt;
+    for (int k = 0; k < 8; ++k) scratch.candidates.adapt_skin(2000);  // as in a pile long at rest
+    prepare_scratch(physics, state, scratch);
   }
 };
 
-void whole_step(benchmark::State& run, const char* shape, double spacing, int side) {
-  Packing packing(shape, spacing, side);
-  for (auto _ : run) step(packing.physics, packing.state, packing.scratch);
-  const double spheres = static_cast<double>(packing.state.bodies.spheres.size());
-  double contacts = 0.0;
-  for (std::size_t slot = 0; slot < packing.state.contacts.slots(); ++slot)
-    contacts += packing.state.contacts.touching(slot);
-  run.counters["M_sphere_steps/s"] =
-      benchmark::Counter(1e-6 * spheres, benchmark::Counter::kIsIterationInvariantRate);
-  run.counters["contacts_per_sphere"] = 2.0 * contacts / spheres;
+/// Of all threads.
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-BENCHMARK_CAPTURE(whole_step, spheres_40000, "sphere", 1.9995, 34)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-BENCHMARK_CAPTURE(whole_step, cubes_5000, "cube", 3.73155, 17)->Unit(benchmark::kMillisecond)->UseRealTime();
+double touching(const State& state) {
+  double contacts = 0.0;
+  for (std::size_t slot = 0; slot < state.contacts.slots(); ++slot) contacts += state.contacts.touching(slot);
+  return contacts;
+}
+
+void whole_step(benchmark::State& run, const std::string& pile, const std::string& material) {
+  Packing packing(pile, material);
+  const double spheres = static_cast<double>(packing.state.bodies.spheres.size());
+  const double before = touching(packing.state);
+  for (int k = 0; k < 20; ++k) step(packing.physics, packing.state, packing.scratch);
+  // Of each phase the tenth part of the steps that took least: other jobs interrupt the rest.
+  std::array<std::vector<double>, kPhaseNames.size() + 1> seconds;
+  std::vector<double> cpu;
+  for (auto _ : run) {
+    packing.scratch.times = {};
+    const double start = wall_seconds(), start_cpu = cpu_seconds();
+    step(packing.physics, packing.state, packing.scratch);
+    cpu.push_back(cpu_seconds() - start_cpu);
+    seconds.back().push_back(wall_seconds() - start);
+    for (std::size_t k = 0; k < kPhaseNames.size(); ++k) seconds[k].push_back(packing.scratch.times[k]);
+  }
+  const auto quick = [&](std::vector<double>& all) {
+    const auto tenth = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 10);
+    std::nth_element(all.begin(), tenth, all.end());
+    return *tenth / spheres;
+  };
+  run.counters["M/s"] = 1e-6 / quick(seconds.back());
+  run.counters["M/cpu_s"] = 1e-6 / quick(cpu);
+  run.counters["contacts"] = 2.0 * touching(packing.state) / spheres;
+  run.counters["contacts_before"] = 2.0 * before / spheres;
+  run.counters["candidates"] = 2.0 * static_cast<double>(packing.state.contacts.slots()) / spheres;
+  for (std::size_t k = 0; k < 3; ++k)
+    run.counters[std::string(kPhaseNames[k]) + "_ns"] = 1e9 * quick(seconds[k]);
+}
 
 /// The pull of one perturber on the packing.
 void perturber(benchmark::State& run, const char* shape, double spacing, int side) {
@@ -75,4 +113,23 @@ BENCHMARK_CAPTURE(perturber, cubes_5000, "cube", 3.73155, 17)->Unit(benchmark::k
 }  // namespace
 }  // namespace cairn
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (argc != 2) {
+    std::fputs("usage: bench_step FOLDER [benchmark options]: a folder of packings made by bench_packing\n",
+               stderr);
+    return 2;
+  }
+  std::vector<std::filesystem::path> piles;
+  for (const auto& entry : std::filesystem::directory_iterator(argv[1]))
+    if (entry.path().extension() == ".h5") piles.push_back(std::filesystem::absolute(entry.path()));
+  std::sort(piles.begin(), piles.end());
+  for (const auto& pile : piles)
+    for (const auto& [material, text] : cairn::kMaterials)
+      benchmark::RegisterBenchmark((pile.stem().string() + "/" + material).c_str(), cairn::whole_step,
+                                   pile.string(), material)
+          ->Unit(benchmark::kMillisecond)
+          ->UseRealTime();
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}

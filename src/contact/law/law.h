@@ -73,20 +73,42 @@ struct ContactAction {
   T dissipated;      ///< J
 };
 
-/// Turns `a` about the direction of `axis`: `sine` is the sine of the angle over |axis|, `versine` 1 - cosine
-/// over |axis|^2.
+/// Rotation by the angle whose tangent is |half|, about `half`.
 template <class T>
-CAIRN_INLINE Triple<T> rotate(const Triple<T>& axis, T sine, T versine, const Triple<T>& a) {
-  const Triple<T> b = cross(axis, a);
-  return fma(versine, cross(axis, b), fma(sine, b, a));
-}
+class Rotation {
+ public:
+  CAIRN_INLINE explicit Rotation(const Triple<T>& half) {
+    // (1 - cosine) / tangent^2; the series is exact to round-off below the limit.
+    const T h2 = dot(half, half), limit(1e-4);
+    T versine = fma(h2, fma(h2, fma(h2, T(-0.2734375), T(0.3125)), T(-0.375)), T(0.5));
+    if (any(h2 > limit)) {
+      const T secant = sqrt(T(1.0) + h2);
+      versine = select(h2 > limit, T(1.0) / (secant * (T(1.0) + secant)), versine);
+    }
+    const T cosine = fma(-h2, versine, T(1.0));  // the sine is cosine times tangent
+    const Triple<T> a = versine * half, s = cosine * half;
+    const T xy = a.x * half.y, xz = a.x * half.z, yz = a.y * half.z;
+    x_ = {fma(a.x, half.x, cosine), xy - s.z, xz + s.y};
+    y_ = {xy + s.z, fma(a.y, half.y, cosine), yz - s.x};
+    z_ = {xz - s.y, yz + s.x, fma(a.z, half.z, cosine)};
+  }
+  CAIRN_INLINE Triple<T> operator()(const Triple<T>& a) const { return {dot(x_, a), dot(y_, a), dot(z_, a)}; }
+
+ private:
+  Triple<T> x_, y_, z_;  // rows of the matrix
+};
 
 /// `a` made orthogonal to the unit vector n at unchanged length.
 template <class T>
 CAIRN_INLINE Triple<T> flatten(const Triple<T>& a, const Triple<T>& n) {
-  const Triple<T> flat = fma(-dot(a, n), n, a);
-  const T length2 = dot(a, a), flat2 = dot(flat, flat);
-  const T scale = select(flat2 > T(0.0), sqrt(length2 / select(flat2 > T(0.0), flat2, T(1.0))), T(1.0));
+  const T along = dot(a, n), zero(0.0);
+  const Triple<T> flat = fma(-along, n, a);
+  const T flat2 = dot(flat, flat);
+  const auto some = flat2 > zero;
+  // sqrt(1 + q); springs of a step have hardly turned, and below the limit the series is exact to round-off.
+  const T q = select(some, along * along / select(some, flat2, T(1.0)), zero), limit(1e-5);
+  T scale = fma(q, fma(q, T(-0.125), T(0.5)), T(1.0));
+  if (any(q > limit)) scale = select(q > limit, sqrt(T(1.0) + q), scale);
   return scale * flat;
 }
 
@@ -94,7 +116,9 @@ CAIRN_INLINE Triple<T> flatten(const Triple<T>& a, const Triple<T>& n) {
 template <class T>
 CAIRN_INLINE T cut(T limit, T length2) {
   const auto over = length2 > limit * limit;
-  return select(over, limit / sqrt(select(over, length2, T(1.0))), T(1.0));
+  T scale(1.0);
+  if (any(over)) scale = select(over, limit * rsqrt(select(over, length2, T(1.0))), scale);
+  return scale;
 }
 
 /// Advances the springs over the drift, evaluates spring + dashpot + slider for each motion that F has.
@@ -122,31 +146,39 @@ CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const Contact
   // The same in mid-step, for the ledger.
   const T pressed_mid =
       max(fma(law.k_n, fma(T(0.5) * dt, u_n_mid, geometry.overlap), -(memory.c_n * u_n_mid)), zero);
-  // Rotation of the springs over half a step, by the angle whose tangent is |half|.
-  const Triple<T> half = (T(0.5) * dt) * motion.turn;
-  const T secant = sqrt(T(1.0) + dot(half, half));
-  const T sine = T(1.0) / secant, versine = sine / (T(1.0) + secant);
+  const Rotation<T> turn((T(0.5) * dt) * motion.turn);  // of the springs over half a step
   const auto advance = [&](const Triple<T>& spring, const Triple<T>& rate) __attribute__((always_inline)) {
-    return flatten(rotate(half, sine, versine, fma(dt, rate, rotate(half, sine, versine, spring))), n);
+    return flatten(turn(fma(dt, rate, turn(spring))), n);
   };
   // Spring, dashpot, slider: the spring is shortened to what the slider holds, then the sum is cut to the
   // limit, `hold` times the pressing force. The work lost is, to second order, that done on the drag of
-  // mid-step less what the spring has gained.
+  // mid-step less what the spring has gained; where nothing slides that is the work of the dashpot.
   const auto slide = [&](T stiffness, T damping, T hold, Triple<T> & spring, const Triple<T>& rate,
                          const Triple<T>& rate_mid) __attribute__((always_inline)) {
-    const T limit = hold * pressed;
-    const T length2 = dot(spring, spring), stretch = dt * dot(rate_mid, spring),
-            way2 = dt * dt * dot(rate_mid, rate_mid);
-    const T keep = cut(limit, stiffness * stiffness * length2);
+    const T limit = hold * pressed, limit_mid = hold * pressed_mid;
     const T half_stiffness = T(0.5) * stiffness;
-    const Triple<T> drag_mid =
-        fma(half_stiffness, fma(T(1.0) + keep, spring, -dt * rate_mid), damping * rate_mid);
-    const T work = cut(hold * pressed_mid, dot(drag_mid, drag_mid)) * dt * dot(drag_mid, rate_mid);
-    const T gain = fma(fma(keep, keep, T(-1.0)), length2, T(2.0) * stretch - way2);
-    action.dissipated += fma(-half_stiffness, gain, work);
-    spring = keep * spring;
-    const Triple<T> sum = fma(damping, rate, stiffness * spring);
-    return cut(limit, dot(sum, sum)) * sum;
+    const T length2 = dot(spring, spring), way2 = dt * dot(rate_mid, rate_mid);
+    Triple<T> sum = fma(damping, rate, stiffness * spring);
+    const Triple<T> sum_mid = fma(stiffness, spring, fma(-half_stiffness, dt, damping) * rate_mid);
+    T lost = damping * way2;
+    const auto slides = (stiffness * stiffness * length2 > limit * limit) | (dot(sum, sum) > limit * limit) |
+                        (dot(sum_mid, sum_mid) > limit_mid * limit_mid);
+    if (any(slides)) {
+      const T stretch = dt * dot(rate_mid, spring);
+      const T keep = cut(limit, stiffness * stiffness * length2);
+      const Triple<T> drag_mid =
+          fma(half_stiffness, fma(T(1.0) + keep, spring, -dt * rate_mid), damping * rate_mid);
+      const T work = cut(limit_mid, dot(drag_mid, drag_mid)) * dt * dot(drag_mid, rate_mid);
+      const T gain = fma(fma(keep, keep, T(-1.0)), length2, T(2.0) * stretch - dt * way2);
+      lost = select(slides, fma(-half_stiffness, gain, work), lost);
+      spring = keep * spring;
+      const Triple<T> kept = fma(damping, rate, stiffness * spring);
+      const T scale = cut(limit, dot(kept, kept));
+      sum = {select(slides, scale * kept.x, sum.x), select(slides, scale * kept.y, sum.y),
+             select(slides, scale * kept.z, sum.z)};
+    }
+    action.dissipated += lost;
+    return sum;
   };
 
   const Triple<T> u_t = fma(-u_n, n, motion.u);

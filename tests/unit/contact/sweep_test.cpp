@@ -192,7 +192,9 @@ void expect_pair_by_pair(std::size_t materials, bool sphere_damping) {
     if (!touching[slot]) continue;
     const ContactWrench& wrench = heap.contacts.wrench[slot];
     const ContactMemory<double> memory = heap.contacts.memory(slot), &expected = pairs[slot].memory;
-    expect_near(vector(wrench.force), pairs[slot].force, strongest);
+    // Eight lanes and one agree to 1e-13 k_N r.
+    EXPECT_LT((vector(wrench.force) - pairs[slot].force).norm(),
+              1e-13 * kStiffness * spheres.radius[heap.contacts.pair(slot).i]);
     expect_near(vector(wrench.torque_i), pairs[slot].torque_i, strongest);
     expect_near(vector(wrench.torque_j), pairs[slot].torque_j, strongest);
     EXPECT_NEAR(memory.c_n, expected.c_n, 1e-11 * expected.c_n);
