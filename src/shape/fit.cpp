@@ -36,7 +36,6 @@ bool has_gravity_masses(const Shape& balls) {
   std::vector<double> weights;
   for (const double r : balls.radii) total += r * r * r;
   for (const double r : balls.radii) weights.push_back(r * r * r / total);
-  if (balls.radii.size() == 1) return balls.centers[0].norm() == 0.0;
   return !gravity_masses(balls.centers, weights).empty();
 }
 

@@ -6,19 +6,23 @@
 
 #include "core/parallel.h"
 #include "core/random.h"
+#include "shape/fit_error.h"
 #include "shape/fit_methods.h"
 #include "shape/fit_system.h"
 
 namespace cairn {
 namespace {
 
-constexpr std::size_t kCandidates = 1500;                       // medial balls
-constexpr std::size_t kRoughPoints = 1500, kFinePoints = 4000;  // on either side, at least
+constexpr std::size_t kFewest = 200, kOfEach = 30, kMost = 1500;  // medial balls, for each that is wanted
+constexpr std::size_t kRoughPoints = 1500, kFinePoints = 4000;    // on either side, at least
+constexpr std::size_t kGlance = 3000;                             // samples for a first look at a candidate
 constexpr std::uint64_t kRounds = 25;
 constexpr std::size_t kTrials = 4;                           // of a round, the best of which counts
 constexpr int kFirst = 40, kOnTheWay = 12, kLast = 60;       // evaluations
 constexpr double kNoise = 1.0;                               // in the logarithm of gains and losses
-constexpr double kMoments = 0.005, kMomentsOnTheWay = 0.08;  // relative errors that count
+constexpr double kShallow = 0.35;                            // largest radius at first when moments count
+constexpr double kMoments = 0.015;                           // relative error of the inertia that will do
+constexpr double kMomentsOnTheWay = 0.08, kTightest = 1e-3;  // relative errors of moments that count
 
 /// The mesh's samples and which of the present balls is nearest to each.
 class Gaps {
@@ -45,10 +49,10 @@ class Gaps {
     ++balls_;
   }
 
-  /// How much the sum of squares would fall with this ball.
-  double gain(const Vec3& center, double radius) const {
+  /// How much the sum of squares would fall with this ball, over every `stride`th sample.
+  double gain(const Vec3& center, double radius, std::size_t stride = 1) const {
     double sum = 0.0;
-    for (std::size_t s = 0; s < samples_.size(); ++s) {
+    for (std::size_t s = 0; s < samples_.size(); s += stride) {
       const double d = (samples_[s] - center).norm() - radius;
       if (d < first_[s]) sum += first_[s] * first_[s] - d * d;
     }
@@ -78,9 +82,10 @@ void insert(Shape& balls, std::size_t count, const Shape& candidates, const std:
   std::vector<std::pair<double, std::size_t>> order(candidates.radii.size());
   std::vector<double> taste;  // of each candidate
   for (std::size_t c = 0; c < order.size(); ++c) taste.push_back(std::exp(noise * random.uniform(-1.0, 1.0)));
+  const std::size_t stride = 1 + samples.size() / kGlance;
   parallel_blocks(order.size(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c)
-      order[c] = {-taste[c] * gaps.gain(candidates.centers[c], candidates.radii[c]), c};
+      order[c] = {-taste[c] * gaps.gain(candidates.centers[c], candidates.radii[c], stride), c};
   });
   std::sort(order.begin(), order.end());
   constexpr std::size_t looked_at = 48;  // of the head of the list, whose gains are counted anew
@@ -123,7 +128,10 @@ void remove_least(Shape& balls, std::size_t count, const std::vector<Vec3>& samp
 }  // namespace
 
 Shape fit_best(const FitTarget& target, std::size_t count, std::uint64_t seed, bool moments) {
-  const Shape medial = medial_balls(target, sample_surface(target.solid.surface, kCandidates, seed));
+  const std::vector<SurfaceSample> touching =
+      sample_surface(target.solid.surface, std::clamp(kOfEach * count, kFewest, kMost), seed);
+  // Large balls overlap in the core, which makes it too heavy in a sum of spheres.
+  const Shape medial = moments ? medial_balls(target, touching, kShallow) : medial_balls(target, touching);
   // Balls of the medial axis, and the same reaching out of the surface.
   const auto candidates = [&](double reach) {
     Shape all = medial;
@@ -166,9 +174,10 @@ Shape fit_best(const FitTarget& target, std::size_t count, std::uint64_t seed, b
     fine.improve(balls, kLast);
     return balls;
   }
-  for (double tolerance = kMomentsOnTheWay; tolerance > 0.5 * kMoments; tolerance *= 0.5) {
+  for (double tolerance = kMomentsOnTheWay; tolerance > kTightest; tolerance *= 0.5) {
     fine.weigh_moments(cost, tolerance);
     cost = fine.improve(balls, kLast);
+    if (inertia_error(sum_of_spheres(balls), target.mass) < kMoments) break;
   }
   return balls;
 }

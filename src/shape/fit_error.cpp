@@ -24,13 +24,13 @@ struct Distances {
   }
 };
 
+}  // namespace
+
 double inertia_error(const MassProperties& got, const MassProperties& wanted) {
   const Vec3 a = principal_frame(got.inertia / got.volume).moments;
   const Vec3 b = principal_frame(wanted.inertia / wanted.volume).moments;
   return ((a - b).cwiseQuotient(b)).cwiseAbs().maxCoeff();
 }
-
-}  // namespace
 
 FitError measure_fit(const Shape& spheres, const SolidMesh& solid, const SignedDistance& distance,
                      const MassProperties& mass) {

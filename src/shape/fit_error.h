@@ -10,4 +10,7 @@ namespace cairn {
 FitError measure_fit(const Shape& spheres, const SolidMesh& solid, const SignedDistance& distance,
                      const MassProperties& mass);
 
+/// Greatest relative error of a principal moment per volume.
+double inertia_error(const MassProperties& got, const MassProperties& wanted);
+
 }  // namespace cairn

@@ -36,15 +36,15 @@ std::vector<Vec3> inner_points(const FitTarget& target, std::uint64_t seed) {
 
 }  // namespace
 
-Shape medial_balls(const FitTarget& target, const std::vector<SurfaceSample>& touching) {
+Shape medial_balls(const FitTarget& target, const std::vector<SurfaceSample>& touching, double largest) {
   constexpr int most_steps = 40;
-  constexpr double start = 4.0, exact = 1e-9, least = 1e-3;  // radii
+  constexpr double exact = 1e-9, least = 1e-3;
   Shape balls;
   balls.centers.resize(touching.size());
   balls.radii.resize(touching.size());
   parallel_for(touching.size(), [&](std::size_t s) {
     const auto& [p, n] = touching[s];
-    double radius = start;
+    double radius = largest;
     for (int step = 0; step < most_steps; ++step) {
       const auto nearest = target.distance(p - radius * n);
       if (std::abs(nearest.distance) >= radius - exact && nearest.distance < 0.0) break;

@@ -13,9 +13,9 @@ struct FitTarget {
   const MassProperties& mass;
 };
 
-/// The balls of the medial axis that touch the surface from inside at the given samples [shrinking balls: Ma,
-/// Bae & Choi 2012, The Visual Computer 28, 7].
-Shape medial_balls(const FitTarget& target, const std::vector<SurfaceSample>& touching);
+/// The largest balls, up to a radius, that touch the surface from inside at the given samples: those of the
+/// medial axis [shrinking balls: Ma, Bae & Choi 2012, The Visual Computer 28, 7].
+Shape medial_balls(const FitTarget& target, const std::vector<SurfaceSample>& touching, double largest = 4.0);
 
 /// Medial balls, each the one that adds most volume to those before [after Favier et al. 1999, Eng. Comput.
 /// 16, 467, and Ferellec & McDowell 2010, Granul. Matter 12, 459; set cover in place of their random order].

@@ -37,7 +37,10 @@ double moment_error(const RigidShape& rigid) {
 
 RigidShape make_rigid(const Shape& shape, MassModel model) {
   check(shape);
-  const MassProperties mass = model == MassModel::spheres ? sum_of_spheres(shape) : union_of_spheres(shape);
+  if (model == MassModel::mesh && !shape.source) model = MassModel::union_volume;
+  const MassProperties mass = model == MassModel::mesh      ? shape.source->mass
+                              : model == MassModel::spheres ? sum_of_spheres(shape)
+                                                            : union_of_spheres(shape);
   const PrincipalFrame frame = principal_frame(mass.inertia / mass.volume);
 
   RigidShape rigid;

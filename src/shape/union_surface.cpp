@@ -76,9 +76,8 @@ double UnionSurface::distance(const Vec3& x, double near) const {
       const double rim = std::sqrt(std::max(0.0, radii[i] * radii[i] - along * along));
       const Vec3 arm = (x - middle) - (x - middle).dot(axis) * axis;
       if (std::hypot((x - middle).dot(axis), arm.norm() - rim) >= best) continue;
-      if (arm.norm() > 0.0)
-        if (const Vec3 foot = middle + rim * arm.normalized(); exposed(foot, i, j, j))
-          best = (foot - x).norm();
+      const Vec3 out = arm.norm() > 0.0 ? Vec3(arm.normalized()) : axis.unitOrthogonal();
+      if (const Vec3 foot = middle + rim * out; exposed(foot, i, j, j)) best = (foot - x).norm();
       for (std::size_t c = b + 1; c < close.size(); ++c) {
         const std::uint32_t k = close[c];
         // On the circle, the directions in which the third ball's surface is met.
