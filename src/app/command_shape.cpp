@@ -118,6 +118,20 @@ void fit_shape(const FitCommandOptions& options) {
   print_source(*shape.source);
 }
 
+/// Whether the mesh is still where the shape file says.
+bool draw_beside_mesh(const Shape& shape, const ShowOptions& options) {
+  const SourceMesh& source = *shape.source;
+  const std::filesystem::path file = std::filesystem::path(options.name).parent_path() / source.file;
+  if (!std::filesystem::exists(file)) {
+    fmt::print("{} is not there any more: only the spheres are drawn\n", file.string());
+    return false;
+  }
+  TriangleMesh mesh = load_mesh(file, source.unit);
+  for (Vec3& x : mesh.vertices) x = (x - source.origin) / source.size;
+  render::render_beside_mesh(shape, mesh, options.picture);
+  return true;
+}
+
 void show_shape(const ShowOptions& options) {
   const Shape shape = load_shape(options.name);
   fmt::print("{}: {}\n", shape.name, shape.description);
@@ -139,7 +153,8 @@ void show_shape(const ShowOptions& options) {
     fmt::print("{:<8}{:>12.6f}{:>12.6f}{:>12.6f}{:>12.6f}{:>16.6f}\n", s, shape.centers[s].x(),
                shape.centers[s].y(), shape.centers[s].z(), shape.radii[s], rigid.mass_fractions[s]);
   if (!options.picture.empty()) {
-    render::render_shape_sheet({shape}, options.picture);
+    const bool beside = shape.source && draw_beside_mesh(shape, options);
+    if (!beside) render::render_shape_sheet({shape}, options.picture);
     fmt::print("wrote {}\n", options.picture);
   }
 }
