@@ -166,7 +166,7 @@ TEST(Fit, AnyBudgetHasGravityMassesAndTheMeshsOwnInertia) {
   for (Vec3& x : mesh.vertices) x = turn * (7.0 * x) + Vec3(100, -50, 20);
   const MassProperties exact = mass_of(mesh);
   for (const FitStrategy strategy : {FitStrategy::best, FitStrategy::greedy})
-    for (const std::size_t n : {1, 2, 3, 4, 9}) {
+    for (const std::size_t n : {1, 2, 3, 5}) {
       SCOPED_TRACE(n);
       const Shape shape = fitted(mesh, n, strategy);
       ASSERT_EQ(shape.radii.size(), n);
