@@ -91,7 +91,8 @@ TEST(ShapeCommand, AMeshBecomesAShapeInAScene) {
 
   // One body as large as the mesh, of 1000 m^3 and 2000 kg/m^3, by the mesh's mass and by the spheres' own.
   const std::string scene =
-      "[[body]]\nshape = \"shapes/block.toml\"\nsize = 6.203504908994\ndensity = 2000\nposition = [0, 0, 0]\n[[material]]\nname = "
+      "[[body]]\nshape = \"shapes/block.toml\"\nsize = 6.203504908994\ndensity = 2000\nposition = [0, 0, "
+      "0]\n[[material]]\nname = "
       "\"rock\"\n"
       "[contact]\nstiffness = 1e6\n[gravity]\nmethod = \"none\"\n[[stage]]\nname = \"s\"\nduration = 1e-3\n";
   folder.write("mesh.toml", scene);
