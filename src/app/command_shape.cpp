@@ -1,9 +1,15 @@
 #include <fmt/core.h>
 
+#include <cmath>
+#include <map>
+
 #include "app/commands.h"
 #include "app/render/draw.h"
 #include "core/error.h"
+#include "shape/fit.h"
 #include "shape/library.h"
+#include "shape/principal_frame.h"
+#include "shape/solid_mesh.h"
 
 namespace cairn {
 
@@ -14,6 +20,17 @@ struct ListOptions {
 };
 struct ShowOptions {
   std::string name, picture;
+};
+
+struct CheckOptions {
+  std::filesystem::path mesh, output;
+  double unit = 1.0;
+};
+struct FitCommandOptions {
+  std::filesystem::path mesh, output;
+  double unit = 1.0;
+  bool force = false;
+  FitOptions fit;
 };
 
 void list_shapes(const ListOptions& options) {
@@ -33,25 +50,111 @@ void list_shapes(const ListOptions& options) {
   }
 }
 
+void print_source(const SourceMesh& source) {
+  const FitError& e = source.error;
+  fmt::print("stands for {}, as large at size = {:.6g} m; errors in sizes, or relative:\n", source.file,
+             source.size);
+  fmt::print(
+      "  distance of the surfaces  RMS {:.3g}; from the mesh RMS {:.3g}, greatest {:.3g}; from the spheres "
+      "RMS {:.3g}, greatest {:.3g}\n",
+      e.rms, e.rms_from_mesh, e.greatest_from_mesh, e.rms_from_spheres, e.greatest_from_spheres);
+  fmt::print(
+      "  union of the spheres      volume {:+.3g}, centroid {:.3g}, greatest of a principal moment {:.3g} "
+      "(sum of spheres {:.3g})\n",
+      e.volume, e.centroid, e.inertia, e.inertia_of_spheres);
+}
+
+void check_mesh(const CheckOptions& options) {
+  const SolidMesh solid = load_solid(options.mesh, options.unit);
+  const TriangleMesh& surface = solid.surface;
+  const MassProperties mass = mass_of(surface);
+  Eigen::AlignedBox3d box;
+  for (const Vec3& x : surface.vertices) box.extend(x);
+  double area = 0.0;
+  for (const auto& [a, b, c] : surface.triangles)
+    area +=
+        0.5 *
+        (surface.vertices[b] - surface.vertices[a]).cross(surface.vertices[c] - surface.vertices[a]).norm();
+  const PrincipalFrame frame = principal_frame(mass.inertia / mass.volume);
+  const Vec3 axes = 2.0 * equivalent_ellipsoid(mass);
+  const auto triple = [](const Vec3& v) { return fmt::format("{:.9g} {:.9g} {:.9g}", v.x(), v.y(), v.z()); };
+  fmt::print("{}: the closed surface of one solid, {} facets, {} vertices\n", options.mesh.string(),
+             surface.triangles.size(), surface.vertices.size());
+  for (const std::string& repair : solid.repairs) fmt::print("  repaired      {}\n", repair);
+  if (solid.cavities > 0) fmt::print("  cavities      {}\n", solid.cavities);
+  fmt::print("  volume        {:.9g} m^3 (ball of radius {:.9g} m)\n", mass.volume,
+             std::cbrt(mass.volume / (4.0 / 3.0 * kPi)));
+  fmt::print("  area          {:.9g} m^2\n  extent        {} m\n  centroid      {} m\n", area,
+             triple(box.sizes()), triple(mass.centroid));
+  fmt::print("  moments/mass  {} m^2, principal\n", triple(frame.moments));
+  for (Eigen::Index k = 0; k < 3; ++k) fmt::print("  axis {}        {}\n", k + 1, triple(frame.axes.col(k)));
+  fmt::print("  DEEVE         {} m, full axes\n", triple(axes));
+  if (options.output.empty()) return;
+  write_obj(in_principal_frame(surface, mass), options.output, options.unit);
+  fmt::print("wrote {}: centroid at the origin, principal axes along x, y, z\n", options.output.string());
+}
+
+void fit_shape(const FitCommandOptions& options) {
+  namespace fs = std::filesystem;
+  fs::path output = options.output;
+  if (output.empty())
+    output = options.fit.spheres > 0
+                 ? fmt::format("{}-{}.toml", options.mesh.stem().string(), options.fit.spheres)
+                 : fmt::format("{}.toml", options.mesh.stem().string());
+  if (fs::exists(output) && !options.force)
+    throw InputError("{}: exists already; choose another file with -o, or --force", output.string());
+  const SolidMesh solid = load_solid(options.mesh, options.unit);
+  for (const std::string& repair : solid.repairs) fmt::print("repaired: {}\n", repair);
+  Shape shape = naming(options.mesh.string(), [&] { return fit_spheres(solid, options.fit); });
+  shape.name = output.stem().string();
+  shape.source->file =
+      fs::absolute(options.mesh).lexically_relative(fs::absolute(output).parent_path()).string();
+  shape.source->unit = options.unit;
+  shape.description =
+      fmt::format("{} spheres for {}, RMS distance of the surfaces {:.3g} reference radii",
+                  shape.radii.size(), options.mesh.filename().string(), shape.source->error.rms);
+  save_shape(shape, output);
+  fmt::print("{}: {} spheres\n", output.string(), shape.radii.size());
+  print_source(*shape.source);
+}
+
+/// Whether the mesh is still where the shape file says.
+bool draw_beside_mesh(const Shape& shape, const ShowOptions& options) {
+  const SourceMesh& source = *shape.source;
+  const std::filesystem::path file = std::filesystem::path(options.name).parent_path() / source.file;
+  if (!std::filesystem::exists(file)) {
+    fmt::print("{} is not there any more: only the spheres are drawn\n", file.string());
+    return false;
+  }
+  TriangleMesh mesh = load_mesh(file, source.unit);
+  for (Vec3& x : mesh.vertices) x = (x - source.origin) / source.size;
+  render::render_beside_mesh(shape, mesh, options.picture);
+  return true;
+}
+
 void show_shape(const ShowOptions& options) {
   const Shape shape = load_shape(options.name);
   fmt::print("{}: {}\n", shape.name, shape.description);
   fmt::print("{:<10}{:>12}{:>12}{:>12}{:>12}{:>12}{:>14}\n", "mass model", "volume", "I1/m", "I2/m", "I3/m",
              "bound", "moment error");
   for (const auto& [name, model] :
-       {std::pair{"union", MassModel::union_volume}, std::pair{"spheres", MassModel::spheres}}) {
+       {std::pair{"mesh", MassModel::mesh}, std::pair{"union", MassModel::union_volume},
+        std::pair{"spheres", MassModel::spheres}}) {
+    if (model == MassModel::mesh && !shape.source) continue;
     const RigidShape rigid = make_rigid(shape, model);
     fmt::print("{:<10}{:>12.6f}{:>12.6f}{:>12.6f}{:>12.6f}{:>12.6f}{:>14.3e}\n", name, rigid.volume,
                rigid.inertia[0], rigid.inertia[1], rigid.inertia[2], rigid.bounding_radius,
                rigid.moment_error);
   }
-  const RigidShape rigid = make_rigid(shape, MassModel::union_volume);
+  if (shape.source) print_source(*shape.source);
+  const RigidShape rigid = make_rigid(shape, MassModel::mesh);
   fmt::print("{:<8}{:>12}{:>12}{:>12}{:>12}{:>16}\n", "sphere", "x", "y", "z", "radius", "gravity mass");
   for (std::size_t s = 0; s < shape.radii.size(); ++s)
     fmt::print("{:<8}{:>12.6f}{:>12.6f}{:>12.6f}{:>12.6f}{:>16.6f}\n", s, shape.centers[s].x(),
                shape.centers[s].y(), shape.centers[s].z(), shape.radii[s], rigid.mass_fractions[s]);
   if (!options.picture.empty()) {
-    render::render_shape_sheet({shape}, options.picture);
+    const bool beside = shape.source && draw_beside_mesh(shape, options);
+    if (!beside) render::render_shape_sheet({shape}, options.picture);
     fmt::print("wrote {}\n", options.picture);
   }
 }
@@ -59,8 +162,9 @@ void show_shape(const ShowOptions& options) {
 }  // namespace
 
 void add_shape_commands(CLI::App& app) {
-  CLI::App* shape = app.add_subcommand("shape", "the library of glued-sphere shapes");
+  CLI::App* shape = app.add_subcommand("shape", "glued-sphere shapes: the library, and shapes from meshes");
   shape->require_subcommand(1);
+  const CLI::Range unit(1e-12, 1e12);
   auto list = std::make_shared<ListOptions>();
   CLI::App* list_command =
       shape->add_subcommand("list", "list the library; lengths in sphere radii, unit mass");
@@ -71,6 +175,45 @@ void add_shape_commands(CLI::App& app) {
   show_command->add_option("shape", show->name, "library name or shape file")->required();
   show_command->add_option("-o,--output", show->picture, "draw the shape to this PNG");
   show_command->callback([show] { show_shape(*show); });
+
+  auto check = std::make_shared<CheckOptions>();
+  CLI::App* check_command =
+      shape->add_subcommand("check", "is a mesh the surface of a solid; its volume, moments and axes");
+  check_command->add_option("mesh", check->mesh, "OBJ, STL, PLY or OFF file")->required();
+  check_command->add_option("--unit", check->unit, "metres of one unit of the file")->check(unit);
+  check_command->add_option("-o,--output", check->output,
+                            "write the mesh to this OBJ file, centred and turned to its principal axes");
+  check_command->callback([check] { check_mesh(*check); });
+
+  auto fit = std::make_shared<FitCommandOptions>();
+  CLI::App* fit_command =
+      shape->add_subcommand("fit", "glue spheres to stand for a mesh; writes a shape file");
+  fit_command->add_option("mesh", fit->mesh, "OBJ, STL, PLY or OFF file")->required();
+  fit_command->add_option("--unit", fit->unit, "metres of one unit of the file")->check(unit);
+  CLI::Option_group* goal = fit_command->add_option_group("goal", "one of");
+  goal->add_option("--spheres", fit->fit.spheres, "how many")
+      ->check(CLI::Range(std::size_t{1}, kMostFitSpheres));
+  goal->add_option(
+          "--error", fit->fit.error,
+          "RMS distance of the surfaces, in radii of the ball of equal volume; the fewest spheres found")
+      ->check(CLI::Range(1e-4, 1.0));
+  goal->require_option(1);
+  fit_command->add_option("-o,--output", fit->output, "shape file; MESH-SPHERES.toml if absent");
+  fit_command->add_flag("--force", fit->force, "replace the shape file if it exists");
+  fit_command->add_option("--seed", fit->fit.seed, "of what is left to chance");
+  fit_command
+      ->add_option("--strategy", fit->fit.strategy,
+                   "best: least squares; greedy: inscribed balls, one by one")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, FitStrategy>{{"best", FitStrategy::best}, {"greedy", FitStrategy::greedy}}));
+  fit_command
+      ->add_option(
+          "--mass", fit->fit.mass,
+          "mass_model of the scenes: mesh or union; spheres fits the moments of their sum too, which costs "
+          "accuracy of the surface")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, MassModel>{
+          {"mesh", MassModel::mesh}, {"union", MassModel::union_volume}, {"spheres", MassModel::spheres}}));
+  fit_command->callback([fit] { fit_shape(*fit); });
 }
 
 }  // namespace cairn

@@ -167,7 +167,7 @@ struct OutputSpec {
 struct Scene {
   std::string title;
   std::uint64_t seed = 1;
-  MassModel mass_model = MassModel::union_volume;
+  MassModel mass_model = MassModel::mesh;
   std::string pile;  ///< result file whose last snapshot supplies the bodies; empty: none
   Frame frame;       ///< where the scene's zero is, and how it moves
   std::optional<BoxSpec> box;

@@ -236,9 +236,11 @@ const Keys<OutputSpec> kOutputKeys = {
 const Keys<Scene> kSceneKeys = {
     text("title", &Scene::title, within(0, 200), "one line about the scene"),
     integer("seed", &Scene::seed, "", Bounds{.low = 0}, "of every random number"),
-    choice("mass_model", &Scene::mass_model,
-           {{"union", MassModel::union_volume}, {"spheres", MassModel::spheres}},
-           "glued spheres that overlap: the covered volume counts once, or each sphere fully"),
+    choice(
+        "mass_model", &Scene::mass_model,
+        {{"mesh", MassModel::mesh}, {"union", MassModel::union_volume}, {"spheres", MassModel::spheres}},
+        "whose mass a body has: the mesh's that its spheres stand for (union if there is none), the covered "
+        "volume's, counted once, or each sphere's fully"),
     text("pile", &Scene::pile, kPath, "result file whose last snapshot supplies the bodies; absent: none"),
     table("frame", &Scene::frame, kFrameKeys,
           "Where the zero of all positions and velocities of the scene is; changes no result, recorded in "

@@ -11,7 +11,8 @@ namespace {
 using Vec4 = Eigen::Vector4d;
 using Mat4 = Eigen::Matrix4d;
 
-constexpr double kFloor = 1e-3;  // smallest mass, as a share of its weight
+constexpr double kBalanced = 1e-9;  // first moment that counts as zero, of the farthest offset
+constexpr double kFloor = 1e-3;     // smallest mass, as a share of its weight
 
 // The problem in coordinates in which sum w_i a_i a_i^T = 1: a_i is 1 and the offset along the principal
 // directions of the weighted cloud, in units of its spread there. A direction without spread (lines, planes,
@@ -101,7 +102,15 @@ std::vector<double> gravity_masses(const std::vector<Vec3>& offsets, const std::
   }
   if (!(rest.norm() < feasible)) return {};
   std::vector<double> masses;
-  for (std::size_t i = 0; i < weights.size(); ++i) masses.push_back(weights[i] * problem.share(i, lambda));
+  Vec3 first = Vec3::Zero();
+  double farthest = 0.0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    masses.push_back(weights[i] * problem.share(i, lambda));
+    first += masses[i] * offsets[i];
+    farthest = std::max(farthest, offsets[i].norm());
+  }
+  // A direction without spread cannot be balanced if the centre of mass lies off it.
+  if (first.norm() > kBalanced * farthest) return {};
   return masses;
 }
 

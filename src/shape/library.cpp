@@ -72,4 +72,11 @@ Shape load_shape(const std::string& name_or_path, const fs::path& base) {
   return parse_shape(read_text(path), path.string());
 }
 
+void save_shape(const Shape& shape, const fs::path& path) {
+  const std::string text = shape_text(shape);
+  std::ofstream file(path, std::ios::binary);
+  if (!file || !file.write(text.data(), static_cast<std::streamsize>(text.size())) || !file.flush())
+    throw InputError("{}: cannot be written", path.string());
+}
+
 }  // namespace cairn

@@ -17,24 +17,36 @@ struct TriangleMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices into `vertices`
 };
 
+/// What welding changed.
+struct Welding {
+  std::vector<std::uint32_t> kept;   ///< the triangles that are left, as numbered before
+  double farthest = 0.0;             ///< m, between two vertices that became one
+  std::size_t flat = 0, copies = 0;  ///< triangles left out: without area, with the vertices of another
+};
+
 /// Reads an OBJ, STL, PLY or OFF file whose lengths are in units of `unit` metres. Polygons are cut into
 /// triangles; vertices closer than a millionth of the mesh's extent become one; triangles without area and
 /// copies of a triangle are left out. Coordinates have single precision (assimp).
 /// @throws InputError "FILE: what is wrong" when the file cannot be read or holds no triangle.
-TriangleMesh load_mesh(const std::filesystem::path& path, double unit);
+TriangleMesh load_mesh(const std::filesystem::path& path, double unit, Welding* welding = nullptr);
 
 /// The same from the bytes of a file called `name`; `kind` is "obj", "stl", "ply" or "off". Files that take
 /// more than `seconds` of computing are refused.
 TriangleMesh parse_mesh(std::string_view bytes, const std::string& kind, const std::string& name, double unit,
-                        double seconds = 60.0);
+                        double seconds = 60.0, Welding* welding = nullptr);
 
 /// The mesh of a file called `name` from the vertices and corners that it holds.
 TriangleMesh make_mesh(const std::vector<std::array<float, 3>>& vertices,
                        std::vector<std::array<std::uint32_t, 3>> triangles, const std::string& name,
-                       double unit);
+                       double unit, Welding* welding = nullptr);
 
 /// The same surface with vertices within `tolerance` (m) of each other welded, without triangles that have no
 /// area or repeat another's vertices. Vertices that no triangle uses are left out.
-TriangleMesh weld(const TriangleMesh& mesh, double tolerance);
+TriangleMesh weld(const TriangleMesh& mesh, double tolerance, Welding* welding = nullptr);
+
+/// Writes an OBJ file with the given number of significant digits, lengths in units of `unit` metres.
+/// @throws InputError when it cannot be written.
+void write_obj(const TriangleMesh& mesh, const std::filesystem::path& path, double unit = 1.0,
+               int digits = 17);
 
 }  // namespace cairn

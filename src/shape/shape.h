@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,8 +10,40 @@
 
 namespace cairn {
 
-/// How the mass of overlapping spheres is counted (physics: each sphere fully, or the covered volume once).
-enum class MassModel { spheres, union_volume };
+/// Whose mass a body has: every sphere's own, overlaps counted as often as they are covered; the volume
+/// covered by at least one sphere; or the solid that the spheres stand for (that of `union_volume` for shapes
+/// that stand for themselves).
+enum class MassModel { spheres, union_volume, mesh };
+
+/// Volume, centroid and inertia of a solid of unit density.
+struct MassProperties {
+  double volume = 0.0;
+  Vec3 centroid = Vec3::Zero();
+  Mat3 inertia = Mat3::Zero();  ///< about the centroid
+};
+
+/// How well spheres stand for a mesh. Distances in reference radii; those between surfaces from samples.
+struct FitError {
+  double rms = 0.0;               ///< of both directions together
+  double rms_from_mesh = 0.0;     ///< from points of the mesh to the surface of the spheres' union
+  double rms_from_spheres = 0.0;  ///< from points of that surface to the mesh
+  double greatest_from_mesh = 0.0;
+  double greatest_from_spheres = 0.0;
+  double volume = 0.0;              ///< of the union, relative error
+  double centroid = 0.0;            ///< of the union, distance
+  double inertia = 0.0;             ///< greatest relative error of a principal moment per mass, union
+  double inertia_of_spheres = 0.0;  ///< the same of the sum of spheres
+};
+
+/// The mesh that a shape's spheres stand for.
+struct SourceMesh {
+  std::string file;            ///< as the shape file names it, relative to itself
+  double unit = 1.0;           ///< m, of the file
+  double size = 1.0;           ///< m, the reference radius at which the shape is as large as the mesh
+  Vec3 origin = Vec3::Zero();  ///< m, of the shape's frame in the mesh's
+  MassProperties mass;         ///< in reference radii
+  FitError error;
+};
 
 /// Spheres as the shape file gives them. Lengths in units of the reference radius ("size" of a body, m).
 struct Shape {
@@ -18,13 +51,7 @@ struct Shape {
   std::string description;
   std::vector<Vec3> centers;
   std::vector<double> radii;
-};
-
-/// Volume, centroid and inertia of a solid of unit density.
-struct MassProperties {
-  double volume = 0.0;
-  Vec3 centroid = Vec3::Zero();
-  Mat3 inertia = Mat3::Zero();  ///< about the centroid
+  std::optional<SourceMesh> source = {};
 };
 
 /// Sum over spheres; overlaps count as often as they are covered.

@@ -2,6 +2,7 @@
 
 #include <toml++/toml.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -16,6 +17,41 @@ namespace {
 constexpr std::size_t kMostSpheres = 100000;
 constexpr std::size_t kLongestText = 1000;          // characters of a name or description
 constexpr double kSmallest = 1e-6, kLargest = 1e6;  // radii and coordinates, in reference radii
+
+constexpr double kSmallestUnit = 1e-12, kLargestUnit = 1e12;  // m
+constexpr double kFarthest = 1e15;                            // m
+
+constexpr std::pair<const char*, double FitError::*> kErrors[] = {
+    {"rms", &FitError::rms},
+    {"rms_from_mesh", &FitError::rms_from_mesh},
+    {"rms_from_spheres", &FitError::rms_from_spheres},
+    {"greatest_from_mesh", &FitError::greatest_from_mesh},
+    {"greatest_from_spheres", &FitError::greatest_from_spheres},
+    {"volume", &FitError::volume},
+    {"centroid", &FitError::centroid},
+    {"inertia", &FitError::inertia},
+    {"inertia_of_spheres", &FitError::inertia_of_spheres},
+};
+
+// A number that reads back as the same one, and as a number with a fraction.
+std::string exact(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_not_of("-0123456789") == std::string::npos) text += ".0";
+  return text;
+}
+
+std::string exact(const Vec3& v) {
+  return fmt::format("[{}, {}, {}]", exact(v.x()), exact(v.y()), exact(v.z()));
+}
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + '"';
+}
 
 // Text from a file, safe to print on one line.
 std::string printable(std::string_view text) {
@@ -33,7 +69,7 @@ class Reader {
   explicit Reader(std::string file) : file_(std::move(file)) {}
 
   Shape read(const toml::table& root) const {
-    check_keys(root, {"name", "description", "sphere"});
+    check_keys(root, {"name", "description", "mesh", "error", "sphere"});
     Shape shape;
     shape.name = text(root, "name");
     if (shape.name.empty()) fail(*root.get("name"), "name", "expected a name, found an empty string");
@@ -53,6 +89,11 @@ class Reader {
       shape.radii.push_back(radius(sphere));
     }
     check_distinct(shape, *tables);
+    if (root.contains("mesh")) shape.source = source(table(root, "mesh"));
+    if (root.contains("error")) {
+      if (!shape.source) fail(*root.get("error"), "error", "expected a [mesh] table beside it");
+      shape.source->error = error(table(root, "error"));
+    }
     return shape;
   }
 
@@ -116,6 +157,59 @@ class Reader {
     return center;
   }
 
+  const toml::table& table(const toml::table& root, std::string_view key) const {
+    const toml::table* found = root.get(key)->as_table();
+    if (!found) fail(*root.get(key), key, fmt::format("expected a table [{}]", key));
+    return *found;
+  }
+
+  template <std::size_t count>
+  std::array<double, count> numbers(const toml::table& from, std::string_view key, double most) const {
+    const std::string expected = fmt::format("expected {} numbers between {:g} and {:g}", count, -most, most);
+    const toml::node& node = required(from, key, expected);
+    const toml::array* array = node.as_array();
+    if (!array || array->size() != count) fail(node, key, expected);
+    std::array<double, count> out;
+    for (std::size_t i = 0; i < count; ++i) out[i] = number(*array->get(i), key, -most, most, expected);
+    return out;
+  }
+
+  double positive(const toml::table& from, std::string_view key, double least, double most) const {
+    const std::string expected = fmt::format("expected a number from {:g} to {:g}", least, most);
+    return number(required(from, key, expected), key, least, most, expected);
+  }
+
+  SourceMesh source(const toml::table& from) const {
+    check_keys(from, {"file", "unit", "size", "origin", "volume", "centroid", "inertia"});
+    SourceMesh mesh;
+    mesh.file = text(from, "file");
+    mesh.unit = positive(from, "unit", kSmallestUnit, kLargestUnit);
+    mesh.size = positive(from, "size", kSmallestUnit, kLargestUnit);
+    mesh.origin = Vec3(numbers<3>(from, "origin", kFarthest).data());
+    mesh.mass.volume = positive(from, "volume", std::pow(kSmallest, 3), std::pow(kLargest, 3));
+    mesh.mass.centroid = Vec3(numbers<3>(from, "centroid", kLargest).data());
+    const auto [xx, yy, zz, xy, xz, yz] = numbers<6>(from, "inertia", std::pow(kLargest, 5));
+    mesh.mass.inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+    // A body of positive density has positive second moments.
+    const Mat3 second = 0.5 * mesh.mass.inertia.trace() * Mat3::Identity() - mesh.mass.inertia;
+    if (Eigen::LLT<Mat3>(second).info() != Eigen::Success)
+      fail(*from.get("inertia"), "inertia",
+           "expected [xx, yy, zz, xy, xz, yz] of a solid, no principal moment above the sum of the others");
+    return mesh;
+  }
+
+  FitError error(const toml::table& from) const {
+    std::vector<std::string> known;
+    for (const auto& [key, value] : kErrors) known.emplace_back(key);
+    check_keys(from, known);
+    FitError error;
+    for (const auto& [key, value] : kErrors) {
+      const std::string_view expected = "expected a finite number";
+      error.*value = number(required(from, key, expected), key, -kFarthest, kFarthest, expected);
+    }
+    return error;
+  }
+
   double radius(const toml::table& sphere) const {
     const std::string expected =
         fmt::format("expected a number from {} to {} (reference radii)", kSmallest, kLargest);
@@ -158,6 +252,32 @@ Shape parse_shape(std::string_view text, const std::string& file) {
     throw InputError("{}:{}:{}: not valid TOML: {}", file, at.line, at.column, what);
   }
   return Reader(file).read(root);
+}
+
+std::string shape_text(const Shape& shape) {
+  std::string out =
+      fmt::format("name = {}\ndescription = {}\n", quoted(shape.name), quoted(shape.description));
+  if (shape.source) {
+    const SourceMesh& mesh = *shape.source;
+    const Mat3& i = mesh.mass.inertia;
+    out += fmt::format(
+        "\n[mesh]  # that the spheres stand for; mass properties at unit density, in reference radii\nfile = "
+        "{}\n"
+        "unit = {}  # m, of that file\nsize = {}  # m, reference radius at which the body is as large as the "
+        "mesh\n"
+        "origin = {}  # m, of the frame used here in the mesh's\nvolume = {}\ncentroid = {}\n"
+        "inertia = [{}, {}, {}, {}, {}, {}]  # xx, yy, zz, xy, xz, yz\n",
+        quoted(mesh.file), exact(mesh.unit), exact(mesh.size), exact(mesh.origin), exact(mesh.mass.volume),
+        exact(mesh.mass.centroid), exact(i(0, 0)), exact(i(1, 1)), exact(i(2, 2)), exact(i(0, 1)),
+        exact(i(0, 2)), exact(i(1, 2)));
+    out +=
+        "\n[error]  # of the spheres: distances between the surfaces, the others of the volume they cover\n";
+    for (const auto& [key, value] : kErrors) out += fmt::format("{} = {}\n", key, exact(mesh.error.*value));
+  }
+  for (std::size_t s = 0; s < shape.radii.size(); ++s)
+    out += fmt::format("\n[[sphere]]\ncenter = {}\nradius = {}\n", exact(shape.centers[s]),
+                       exact(shape.radii[s]));
+  return out;
 }
 
 }  // namespace cairn

@@ -22,24 +22,30 @@ void centred(Pen& pen, const std::string& text, double baseline, double height, 
   pen.text(text, 0.5 * (kCell - pen.text_width(text, size, bold)), baseline, size, bold);
 }
 
-Image sheet_cell(const Shape& shape, std::size_t index, const Style& style) {
-  const std::vector<Ball> balls = shape_balls(shape, category_color(index));
-  if (balls.empty()) throw InputError("shape \"{}\" has no spheres to draw", shape.name);
+View sheet_view(const std::vector<Ball>& balls) {
   View view;
   view.direction = Vec3(1.0, -1.5, 0.9);
   view.field_of_view = 18.0;
-  view = frame(balls, view, {.fraction = 1.0, .margin = 0.12});
+  return frame(balls, view, {.fraction = 1.0, .margin = 0.12});
+}
+
+Image sheet_cell(const std::vector<Ball>& balls, const std::vector<Facet>& facets, const View& view,
+                 const std::string& title, const std::string& caption, const Style& style) {
   const Rectangle room{0.0, 0.0, kCell, kCell};
-  const Image picture = trace(balls, view, kCell, kCell + kCaption, room, style);
+  const Image picture = trace(balls, view, kCell, kCell + kCaption, room, style, facets);
   const Surface surface = to_surface(picture);
   {
     Pen pen(surface.get(), style.ink(), style.paper());
-    const std::size_t count = shape.centers.size();
-    centred(pen, shape.name, kCell + 22.0, kCaptionText, true);
-    centred(pen, fmt::format("{} sphere{}", count, count == 1 ? "" : "s"), kCell + 54.0, 0.84 * kCaptionText,
-            false);
+    centred(pen, title, kCell + 22.0, kCaptionText, true);
+    centred(pen, caption, kCell + 54.0, 0.84 * kCaptionText, false);
   }
   return to_image(surface.get());
+}
+
+Image shape_cell(const Shape& shape, std::size_t index, const View& view, const Style& style) {
+  const std::size_t count = shape.centers.size();
+  return sheet_cell(shape_balls(shape, category_color(index)), {}, view, shape.name,
+                    fmt::format("{} sphere{}", count, count == 1 ? "" : "s"), style);
 }
 
 }  // namespace
@@ -64,10 +70,30 @@ void render_shape_sheet(const std::vector<Shape>& shapes, const std::filesystem:
                         const Style& style) {
   if (shapes.empty()) throw InputError("there are no shapes to draw on {}", path.string());
   std::vector<Image> cells;
-  for (std::size_t i = 0; i < shapes.size(); ++i) cells.push_back(sheet_cell(shapes[i], i, style));
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const std::vector<Ball> balls = shape_balls(shapes[i], category_color(i));
+    if (balls.empty()) throw InputError("shape \"{}\" has no spheres to draw", shapes[i].name);
+    cells.push_back(shape_cell(shapes[i], i, sheet_view(balls), style));
+  }
   // A little wider than high, as a page on its side.
   const double columns = std::ceil(std::sqrt(1.6 * static_cast<double>(shapes.size())));
   write_png(grid(cells, static_cast<int>(columns), 10, style.paper()), path);
+}
+
+void render_beside_mesh(const Shape& shape, const TriangleMesh& mesh, const std::filesystem::path& path,
+                        const Style& style) {
+  std::vector<Ball> extent = shape_balls(shape, Vec3::Zero());
+  std::vector<Facet> facets;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    facets.push_back({{mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]}, category_color(1), 0});
+    extent.push_back({mesh.vertices[a], 1e-9, Vec3::Zero(), 0});
+  }
+  const View view = sheet_view(extent);
+  const std::string file = std::filesystem::path(shape.source->file).filename().string();
+  const std::vector<Image> cells = {
+      sheet_cell({}, facets, view, file, fmt::format("{} facets", facets.size()), style),
+      shape_cell(shape, 0, view, style)};
+  write_png(grid(cells, 2, 10, style.paper()), path);
 }
 
 }  // namespace cairn::render

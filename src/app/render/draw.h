@@ -8,6 +8,7 @@
 #include "app/render/image.h"
 #include "app/render/style.h"
 #include "app/render/view.h"
+#include "shape/mesh.h"
 #include "shape/shape.h"
 
 namespace cairn::render {
@@ -25,6 +26,11 @@ std::vector<Ball> shape_balls(const Shape& shape, const Vec3& color);
 /// A sheet with one cell per shape: an oblique view, its name and its number of spheres.
 /// @throws InputError when there are no shapes, a shape has no spheres, or the file cannot be written.
 void render_shape_sheet(const std::vector<Shape>& shapes, const std::filesystem::path& path,
+                        const Style& style = Style::fine());
+
+/// A fitted shape beside its mesh, given in the shape's frame and units: two cells of such a sheet.
+/// @throws InputError when the file cannot be written.
+void render_beside_mesh(const Shape& shape, const TriangleMesh& mesh, const std::filesystem::path& path,
                         const Style& style = Style::fine());
 
 }  // namespace cairn::render

@@ -1,4 +1,4 @@
-// The balls as a ray tracer sees them: an Embree scene in the frame and units of the view.
+// The balls and facets as a ray tracer sees them: an Embree scene in the frame and units of the view.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -20,13 +20,23 @@ struct Globe {
   std::uint32_t body;
 };
 
+/// A triangle in that frame.
+struct Flat {
+  Eigen::Vector3f corners[3], normal, albedo;  ///< either unit normal
+  std::uint32_t body;
+};
+
 /// Owns the Embree device and scene. Balls that the view cannot show are left out, so coordinates stay small.
 class Scene {
  public:
   /// @throws InputError when a ball is not finite, the view is no camera, or the ray tracer does not start.
-  Scene(const std::vector<Ball>& balls, const View& view);
+  Scene(const std::vector<Ball>& balls, const std::vector<Facet>& facets, const View& view);
+
+  /// Which of the two lists a hit's number counts in.
+  static constexpr unsigned kGlobes = 0, kFlats = 1;
 
   const std::vector<Globe>& globes() const { return globes_; }
+  const std::vector<Flat>& flats() const { return flats_; }
   /// Depth (towards the viewer) of a plane in front of everything.
   float front() const { return front_; }
 
@@ -44,7 +54,11 @@ class Scene {
   template <class Handle>
   using Owned = std::unique_ptr<std::remove_pointer_t<Handle>, Release>;
 
+  void add_globes();
+  void add_flats();
+
   std::vector<Globe> globes_;
+  std::vector<Flat> flats_;
   float front_ = 0.0f;
   Owned<RTCDevice> device_;
   Owned<RTCScene> scene_;

@@ -99,17 +99,28 @@ void Shader::operator()(const Bundle& bundle, Seen& seen) const {
     hits.valid[i] = hit ? -1 : 0;
     if (!hit) continue;
     hits.any = true;
-    const Globe& globe = scene_.globes()[rays.hit.primID[i]];
-    seen.body[i] = globe.body;
-    seen.radius[i] = globe.radius;
     const Vec3f rough = bundle.origin[i] + rays.ray.tfar[i] * bundle.direction[i];
-    hits.normal[i] = (rough - globe.center).normalized();
-    // Back onto the sphere, and off it by more than the rounding of its surface.
-    hits.point[i] = globe.center + (1.0003f * globe.radius + 1e-6f) * hits.normal[i];
+    Vec3f albedo;
+    if (rays.hit.geomID[i] == Scene::kGlobes) {
+      const Globe& globe = scene_.globes()[rays.hit.primID[i]];
+      seen.body[i] = globe.body;
+      seen.radius[i] = globe.radius;
+      albedo = globe.albedo;
+      hits.normal[i] = (rough - globe.center).normalized();
+      // Back onto the sphere, and off it by more than the rounding of its surface.
+      hits.point[i] = globe.center + (1.0003f * globe.radius + 1e-6f) * hits.normal[i];
+    } else {
+      const Flat& flat = scene_.flats()[rays.hit.primID[i]];
+      seen.body[i] = flat.body;
+      seen.radius[i] = 1.0f;  // wide enough for lines
+      albedo = flat.albedo;
+      hits.normal[i] = flat.normal.dot(bundle.direction[i]) < 0.0f ? flat.normal : Vec3f(-flat.normal);
+      hits.point[i] = rough + 1e-4f * hits.normal[i];
+    }
     // Surfaces seen edge-on are darkened a little: it rounds the spheres and costs no ray.
     const float facing = std::max(0.0f, -hits.normal[i].dot(bundle.direction[i]));
     const float edge = (1.0f - facing) * (1.0f - facing) * (1.0f - facing);
-    hits.albedo[i] = (1.0f - 0.25f * edge) * globe.albedo;
+    hits.albedo[i] = (1.0f - 0.25f * edge) * albedo;
   }
   if (!hits.any || !bundle.lit) return;
   add_sunlight(bundle, hits, seen);

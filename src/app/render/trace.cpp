@@ -36,12 +36,18 @@ struct Camera {
   }
 };
 
-/// The pixels on which a ball may lie; the others need no rays.
+/// The pixels on which a ball or facet may lie; the others need no rays.
 class Coverage {
  public:
   Coverage(const Scene& scene, const Camera& camera, int width, int height)
       : width_(width), height_(height), covered_(static_cast<std::size_t>(width) * height) {
     for (const Globe& globe : scene.globes()) mark(globe, camera);
+    for (const Flat& flat : scene.flats()) {
+      const Eigen::Vector3f middle = (flat.corners[0] + flat.corners[1] + flat.corners[2]) / 3.0f;
+      float radius = 0.0f;
+      for (const Eigen::Vector3f& corner : flat.corners) radius = std::max(radius, (corner - middle).norm());
+      mark({middle, flat.albedo, radius, flat.body}, camera);
+    }
   }
   /// Outside the picture all is covered: what lies there decides on lines along the border.
   bool operator()(int x, int y) const {
@@ -199,14 +205,14 @@ double pixels_per_metre(const View& view, const Rectangle& room) {
 }
 
 Image trace(const std::vector<Ball>& balls, const View& view, int width, int height, const Rectangle& room,
-            const Style& style) {
+            const Style& style, const std::vector<Facet>& facets) {
   const int n = style.samples;
   if (n != 1 && n != 2 && n != 4 && n != 8)
     throw InputError("samples per pixel and axis must be 1, 2, 4 or 8, not {}", n);
   if (style.sky_rays < 1 || style.sky_rays > 64)
     throw InputError("sky rays per sample must be in 1..64, not {}", style.sky_rays);
   Image image = Image::filled(width, height, style.paper());
-  const Scene scene(balls, view);
+  const Scene scene(balls, facets, view);
   const Shader shader(scene, view.sun.cast<float>(), style.sky_rays);
   const double unit = 0.5 * std::max(view.width, view.height);
   const Camera camera{room.left + 0.5 * room.width, room.top + 0.5 * room.height,

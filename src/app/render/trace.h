@@ -21,6 +21,6 @@ double pixels_per_metre(const View& view, const Rectangle& room);
 /// The same bytes come out for any number of threads.
 /// @throws InputError for a view, style, size or ball that cannot be drawn.
 Image trace(const std::vector<Ball>& balls, const View& view, int width, int height, const Rectangle& room,
-            const Style& style);
+            const Style& style, const std::vector<Facet>& facets = {});
 
 }  // namespace cairn::render

@@ -1,6 +1,7 @@
 // What is looked at, and from where.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -14,6 +15,13 @@ struct Ball {
   double radius = 0.0;               ///< m
   Vec3 color = Vec3::Constant(0.7);  ///< sRGB 0..1
   std::uint32_t body = 0;            ///< balls of one body are drawn as one solid, without lines between
+};
+
+/// One flat triangle to be drawn, seen from both sides.
+struct Facet {
+  std::array<Vec3, 3> corners;       ///< m
+  Vec3 color = Vec3::Constant(0.7);  ///< sRGB 0..1
+  std::uint32_t body = 0;
 };
 
 /// A camera. The region of `width` x `height` metres around `target` is fitted into the free part of the

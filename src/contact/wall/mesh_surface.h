@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "contact/wall/surface.h"
-#include "contact/wall/triangle_tree.h"
+#include "shape/triangle_tree.h"
 
 namespace cairn {
 

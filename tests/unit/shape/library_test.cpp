@@ -123,7 +123,7 @@ TEST_F(LibraryTest, MessagesNameLineColumnAndKey) {
   EXPECT_EQ(message("descripton = \"x\"\n" + kGood),
             ":1:1: key 'descripton': unknown, did you mean 'description'?");
   EXPECT_EQ(message("name = \"a\"\nzzzzzzzzz = 1\n"),
-            ":2:1: key 'zzzzzzzzz': unknown, expected name, description, sphere");
+            ":2:1: key 'zzzzzzzzz': unknown, expected name, description, mesh, error, sphere");
   EXPECT_EQ(message("name = 3\n"), ":1:8: key 'name': expected one line of text in quotes");
   EXPECT_EQ(message("name = \"\"\n"), ":1:8: key 'name': expected a name, found an empty string");
   EXPECT_EQ(message("name = \"a\"\n"), ":1:1: key 'sphere': missing, expected at least one [[sphere]] table");

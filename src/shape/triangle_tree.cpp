@@ -1,4 +1,4 @@
-#include "contact/wall/triangle_tree.h"
+#include "shape/triangle_tree.h"
 
 #include <algorithm>
 #include <limits>
@@ -107,16 +107,19 @@ void TriangleTree::find(const Vec3& y, double reach, std::vector<std::uint32_t>&
   std::sort(found.begin() + static_cast<std::ptrdiff_t>(old), found.end());
 }
 
-double TriangleTree::distance(const Vec3& y) const {
-  double best = std::numeric_limits<double>::infinity();
+NearestTriangle TriangleTree::nearest(const Vec3& y) const {
+  NearestTriangle best;
+  best.at.distance = std::numeric_limits<double>::infinity();
   std::uint32_t stack[64] = {0};
   for (int top = 1; top > 0;) {
     const std::uint32_t index = stack[--top];
     const Node& node = nodes_[index];
-    if (!(box_distance2(node.low, node.high, y) < best * best)) continue;
+    if (!(box_distance2(node.low, node.high, y) < best.at.distance * best.at.distance)) continue;
     if (node.second == 0) {
-      for (std::uint32_t k = node.begin; k < node.end; ++k)
-        best = std::min(best, triangles_[order_[k]].nearest(y).distance);
+      for (std::uint32_t k = node.begin; k < node.end; ++k) {
+        const NearestPoint at = triangles_[order_[k]].nearest(y);
+        if (at.distance < best.at.distance) best = {order_[k], at};
+      }
       continue;
     }
     const auto from = [&](std::uint32_t child) {
@@ -127,6 +130,27 @@ double TriangleTree::distance(const Vec3& y) const {
     stack[top++] = left ? index + 1 : node.second;
   }
   return best;
+}
+
+void TriangleTree::find(const Vec3& low, const Vec3& high, std::vector<std::uint32_t>& found) const {
+  const auto meets = [&](const Vec3& l, const Vec3& h) {
+    return (l.array() <= high.array()).all() && (h.array() >= low.array()).all();
+  };
+  std::uint32_t stack[64] = {0};
+  for (int top = 1; top > 0;) {
+    const std::uint32_t index = stack[--top];
+    const Node& node = nodes_[index];
+    if (!meets(node.low, node.high)) continue;
+    if (node.second != 0) {
+      stack[top++] = index + 1;
+      stack[top++] = node.second;
+      continue;
+    }
+    for (std::uint32_t k = node.begin; k < node.end; ++k) {
+      const auto& [a, b, c] = triangles_[order_[k]].corner;
+      if (meets(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c))) found.push_back(order_[k]);
+    }
+  }
 }
 
 }  // namespace cairn

@@ -29,6 +29,12 @@ struct TriangleShape {
 /// The point nearest to y of the segment from a to b; `along` receives its place, 0 at a and 1 at b.
 Vec3 nearest_on_segment(const Vec3& a, const Vec3& b, const Vec3& y, double& along);
 
+/// The triangle nearest to a point, and where on it.
+struct NearestTriangle {
+  std::uint32_t triangle = 0;
+  NearestPoint at;
+};
+
 /// A binary tree of boxes.
 class TriangleTree {
  public:
@@ -37,8 +43,12 @@ class TriangleTree {
   const TriangleShape& triangle(std::uint32_t t) const { return triangles_[t]; }
   /// Appends the triangles nearer to y than `reach`, in increasing order.
   void find(const Vec3& y, double reach, std::vector<std::uint32_t>& found) const;
+  /// The nearest triangle; of several, always the same one.
+  NearestTriangle nearest(const Vec3& y) const;
   /// Distance of y from the mesh.
-  double distance(const Vec3& y) const;
+  double distance(const Vec3& y) const { return nearest(y).at.distance; }
+  /// Appends the triangles whose boxes meet the box from `low` to `high`.
+  void find(const Vec3& low, const Vec3& high, std::vector<std::uint32_t>& found) const;
 
  private:
   struct Node {

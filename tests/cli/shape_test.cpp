@@ -1,0 +1,107 @@
+// From a mesh to a shape file and a scene that uses it; what is said of broken meshes.
+#include <fmt/format.h>
+
+#include "cli/program.h"
+
+namespace cairn::cli {
+namespace {
+
+// A block of 2 x 1 x 0.5, corners and facets as OBJ.
+std::string block(const std::string& facets) {
+  std::string text;
+  for (int k = 0; k < 8; ++k)
+    text += fmt::format("v {} {} {}\n", 2.0 * (k & 1), 1.0 * (k >> 1 & 1), 0.5 * (k >> 2 & 1));
+  return text + facets;
+}
+const std::string kFacets =
+    "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\nf 2 4 8\nf 2 "
+    "8 6\n";
+
+TEST(ShapeCommand, CheckTellsVolumeMomentsAndRepairs) {
+  const Folder folder;
+  folder.write("block.obj", block(kFacets));
+  const Outcome good = cairn(folder, {"shape", "check", "block.obj", "-o", "aligned.obj"});
+  ASSERT_TRUE(succeeded(good));
+  for (const char* words :
+       {"12 facets, 8 vertices", "volume        1 m^3", "area          7 m^2", "extent        2 1 0.5 m",
+        "centroid      1 0.5 0.25 m", "moments/mass  0.104166667 0.354166667 0.416666667 m^2"})
+    EXPECT_TRUE(contains(good.out, words)) << words << '\n' << good.out;
+  EXPECT_FALSE(contains(good.out, "repaired"));
+  const Outcome aligned = cairn(folder, {"shape", "check", "aligned.obj", "--unit", "2"});
+  EXPECT_TRUE(contains(aligned.out, "volume        8 m^3")) << aligned.out;
+  EXPECT_TRUE(contains(aligned.out, "centroid      0 0 0 m")) << aligned.out;
+
+  folder.write("inside.obj", block("f 1 4 3\n" + kFacets.substr(8)));
+  const Outcome turned = cairn(folder, {"shape", "check", "inside.obj"});
+  EXPECT_TRUE(
+      contains(turned.out, "repaired      turned 1 facets that faced inwards, the first is facet 1 at"))
+      << turned.out;
+}
+
+TEST(ShapeCommand, BrokenMeshesAreOneLine) {
+  const Folder folder;
+  folder.write("open.obj", block(kFacets.substr(8)));
+  folder.write("crossing.obj", block(kFacets) +
+                                   "v 1 0.5 -1\nv 1 0.6 0.2\nv 1.1 0.5 0.2\nv 0.9 0.5 0.2\n"
+                                   "f 9 11 10\nf 9 12 11\nf 9 10 12\nf 10 11 12\n");
+  folder.write(
+      "twice.obj",
+      block(kFacets) + "v 5 0 0\nv 6 0 0\nv 5 1 0\nv 5 0 1\nf 9 11 10\nf 9 12 11\nf 9 10 12\nf 10 11 12\n");
+  folder.write("bad.obj", "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n");
+  for (const char* command : {"check", "fit"}) {
+    const auto words = [&](const std::string& file) {
+      std::vector<std::string> all = {"shape", command, file};
+      if (std::string(command) == "fit") all.insert(all.end(), {"--spheres", "2"});
+      return cairn(folder, all);
+    };
+    EXPECT_TRUE(refused(words("open.obj"), {"open.obj: not closed", "facet 1 at", "3 such edges"}));
+    EXPECT_TRUE(refused(words("crossing.obj"), {"crossing.obj: crosses itself: facet 1 at", "and facet 13"}));
+    EXPECT_TRUE(refused(words("twice.obj"), {"twice.obj: expected one solid", "begins with facet 13 at"}));
+    EXPECT_TRUE(refused(words("bad.obj"), {"bad.obj: vertex 1 is not finite"}));
+    EXPECT_TRUE(refused(words("none.obj"), {"none.obj: no such mesh file"}));
+    EXPECT_TRUE(refused(words("."), {"no such mesh file"}));
+  }
+  folder.write("block.obj", block(kFacets));
+  EXPECT_EQ(cairn(folder, {"shape", "fit", "block.obj"}).code, 2);
+  EXPECT_EQ(cairn(folder, {"shape", "fit", "block.obj", "--spheres", "0"}).code, 2);
+  EXPECT_EQ(cairn(folder, {"shape", "fit", "block.obj", "--spheres", "2", "--error", "0.1"}).code, 2);
+  EXPECT_EQ(cairn(folder, {"shape", "fit", "block.obj", "--spheres", "2", "--strategy", "luck"}).code, 2);
+  EXPECT_EQ(cairn(folder, {"shape", "check", "block.obj", "--unit", "0"}).code, 2);
+}
+
+TEST(ShapeCommand, AMeshBecomesAShapeInAScene) {
+  const Folder folder;
+  folder.write("meshes/block.obj", block(kFacets));
+  const Outcome fit = cairn(folder, {"shape", "fit", "meshes/block.obj", "--spheres", "8", "--unit", "10",
+                                     "-o", "shapes/block.toml"});
+  EXPECT_TRUE(refused(fit, {"shapes/block.toml: cannot be written"}));
+  std::filesystem::create_directory(folder / "shapes");
+  const Outcome again = cairn(folder, {"shape", "fit", "meshes/block.obj", "--spheres", "8", "--unit", "10",
+                                       "-o", "shapes/block.toml"});
+  ASSERT_TRUE(succeeded(again));
+  EXPECT_TRUE(contains(again.out, "8 spheres"));
+  EXPECT_TRUE(refused(
+      cairn(folder, {"shape", "fit", "meshes/block.obj", "--spheres", "4", "-o", "shapes/block.toml"}),
+      {"shapes/block.toml: exists already"}));
+  EXPECT_TRUE(contains(read_bytes(folder / "shapes/block.toml"), "file = \"../meshes/block.obj\""));
+  const Outcome show = cairn(folder, {"shape", "show", "shapes/block.toml", "-o", "block.png"});
+  ASSERT_TRUE(succeeded(show));
+  EXPECT_TRUE(contains(show.out, "stands for ../meshes/block.obj, as large at size = 6.2035 m")) << show.out;
+  EXPECT_TRUE(std::filesystem::exists(folder / "block.png"));
+
+  // One body as large as the mesh, of 1000 m^3 and 2000 kg/m^3, by the mesh's mass and by the spheres' own.
+  const std::string scene =
+      "[[body]]\nshape = \"shapes/block.toml\"\nsize = 6.203504908994\ndensity = 2000\nposition = [0, 0, "
+      "0]\n[[material]]\nname = "
+      "\"rock\"\n"
+      "[contact]\nstiffness = 1e6\n[gravity]\nmethod = \"none\"\n[[stage]]\nname = \"s\"\nduration = 1e-3\n";
+  folder.write("mesh.toml", scene);
+  folder.write("spheres.toml", "mass_model = \"spheres\"\n" + scene);
+  EXPECT_TRUE(succeeded(cairn(folder, {"run", "mesh.toml"})));
+  const Outcome check = cairn(folder, {"check", "mesh.toml"});
+  EXPECT_TRUE(contains(check.out, "2e+06 kg")) << check.out;
+  EXPECT_FALSE(contains(cairn(folder, {"check", "spheres.toml"}).out, "2e+06 kg"));
+}
+
+}  // namespace
+}  // namespace cairn::cli
