@@ -4,6 +4,7 @@
 
 #include "cli/program.h"
 #include "cli/scenes.h"
+#include "core/timer.h"
 
 namespace cairn::cli {
 namespace {
@@ -14,11 +15,14 @@ using Contents = std::map<std::string, std::string>;
 class Resume : public testing::Test {
  protected:
   void SetUp() override {
+    const double start = wall_seconds();
     ASSERT_TRUE(succeeded(cairn(folder_, {"run", scene_, "-o", "whole.h5"})));
+    seconds_ = wall_seconds() - start;
     whole_ = contents(folder_ / "whole.h5");
   }
 
-  /// Runs and resumes; each of the first `most` sessions is ended by one of the signals after a random while.
+  /// Runs and resumes; each of the first `most` sessions is ended by one of the signals after a random while,
+  /// between `shortest` and `longest` times what the whole run takes.
   /// @return the number of sessions that were ended so.
   int run_in_pieces(const std::string& output, const std::vector<int>& signals, double shortest,
                     double longest, int most) {
@@ -28,7 +32,7 @@ class Resume : public testing::Test {
     for (std::vector<std::string> arguments{"run", scene_, "-o", output};; arguments = {"resume", output}) {
       Circumstances how;
       const int signal = signals[static_cast<std::size_t>(stops) % signals.size()];
-      const double after = moment(random);
+      const double after = seconds_ * moment(random);
       if (stops < most) how.stop = Stop{signal, after, folder_ / output};
       const Outcome end = cairn(folder_, arguments, how);
       if (end.code == 0) return stops;
@@ -48,6 +52,7 @@ class Resume : public testing::Test {
   Folder folder_;
   std::string scene_ = folder_.write("forty.toml", kForty);
   Contents whole_;
+  double seconds_ = 0.0;  ///< that the whole run took
 };
 
 TEST_F(Resume, AFinishedRunIsRefusedAndUntouched) {
@@ -68,12 +73,12 @@ TEST_F(Resume, AFinishedRunIsRefusedAndUntouched) {
 }
 
 TEST_F(Resume, AfterInterruptsAndTerminationsAtRandomMoments) {
-  EXPECT_GE(run_in_pieces("stopped.h5", {SIGINT, SIGTERM}, 0.3, 1.2, 8), 2);
+  EXPECT_GE(run_in_pieces("stopped.h5", {SIGINT, SIGTERM}, 0.1, 0.3, 8), 2);
   EXPECT_TRUE(same_bits(whole_, contents(folder_ / "stopped.h5")));
 }
 
 TEST_F(Resume, AfterKillsAtRandomMoments) {
-  EXPECT_GE(run_in_pieces("killed.h5", {SIGKILL}, 1.5, 3.0, 3), 1);
+  EXPECT_GE(run_in_pieces("killed.h5", {SIGKILL}, 0.3, 0.8, 3), 1);
   EXPECT_TRUE(same_bits(whole_, contents(folder_ / "killed.h5")));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "killed.h5.part"));
 }
@@ -92,7 +97,7 @@ class ResumeInABox : public Resume {
 
 TEST_F(ResumeInABox, WithoutTheFileOfTheMesh) {
   const Outcome first = cairn(folder_, {"run", scene_, "-o", "stopped.h5"},
-                              {.stop = Stop{SIGINT, 0.7, folder_ / "stopped.h5"}});
+                              {.stop = Stop{SIGINT, 0.4 * seconds_, folder_ / "stopped.h5"}});
   ASSERT_EQ(first.code, 130) << first.err;
   EXPECT_TRUE(contents(folder_ / "stopped.h5").contains("/checkpoint/walls/feature"));
   std::filesystem::remove(folder_ / "box.off");
@@ -129,7 +134,7 @@ TEST_F(ResumeAtAPlanet, WithoutTheFileOfTheTrack) {
   EXPECT_TRUE(
       contains(cairn(folder_, {"check", scene_}).out, "perturber 'planet' (tide); perturber 'moon' (tide)"));
   const Outcome first = cairn(folder_, {"run", scene_, "-o", "stopped.h5"},
-                              {.stop = Stop{SIGINT, 0.7, folder_ / "stopped.h5"}});
+                              {.stop = Stop{SIGINT, 0.4 * seconds_, folder_ / "stopped.h5"}});
   ASSERT_EQ(first.code, 130) << first.err;
   EXPECT_TRUE(contents(folder_ / "stopped.h5").contains("/checkpoint/ledger/perturbers/torque"));
   std::filesystem::remove(folder_ / "planet.txt");

@@ -41,7 +41,7 @@ restitution_tangential = 0.1
 
 [contact]
 max_overlap = 0.04
-steps_per_contact = 20
+steps_per_contact = 50
 
 [gravity]
 interval = "auto"
