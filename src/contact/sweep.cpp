@@ -398,7 +398,9 @@ void set_damping(const Bodies& bodies, const SweepSettings& settings, ContactLis
 SweepReport sweep(const Bodies& bodies, const std::vector<SphereMotion>& motions,
                   const SweepSettings& settings, ContactList& contacts) {
   const std::size_t spheres = motions.size();
-  std::vector<SweepReport> reports((spheres + kBlock - 1) / kBlock);
+  static thread_local std::vector<SweepReport> kept;  // a step allocates nothing
+  std::vector<SweepReport>& reports = kept;           // of the calling thread, in all of them
+  reports.assign((spheres + kBlock - 1) / kBlock, {});
   contacts.kicks.resize(reports.size());
   with_features(settings.features, [&]<Features F>() {
     parallel_blocks(spheres, kBlock, [&](std::size_t begin, std::size_t end) {

@@ -53,7 +53,9 @@ void parallel_for(std::size_t count, Body&& body) {
 template <class Value, class Term>
 Value parallel_sum(std::size_t count, Value zero, Term&& term) {
   constexpr std::size_t block = 512;
-  std::vector<Value> partial((count + block - 1) / block, zero);
+  static thread_local std::vector<Value> kept;  // a step allocates nothing
+  std::vector<Value>& partial = kept;           // of the calling thread, in all of them
+  partial.assign((count + block - 1) / block, zero);
   parallel_blocks(count, block, [&](std::size_t begin, std::size_t end) {
     Value sum = zero;
     for (std::size_t i = begin; i < end; ++i) sum += term(i);

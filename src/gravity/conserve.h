@@ -71,7 +71,9 @@ void set_balanced(std::span<const Vec3> positions, std::span<const double> masse
     for (std::size_t i = 0; i < count; ++i) m[i] = masses[g + i];
     return m;
   };
-  std::vector<NetWrench> nets((n + kBlock - 1) / kBlock);
+  static thread_local std::vector<NetWrench> kept;  // a step allocates nothing
+  std::vector<NetWrench>& nets = kept;              // of the calling thread, in all of them
+  nets.resize((n + kBlock - 1) / kBlock);
   parallel_blocks(n, kBlock, [&](std::size_t begin, std::size_t end) {
     PackVec net_force, net_torque, first, diagonal, mixed;
     Pack mass{}, weight{};

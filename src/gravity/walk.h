@@ -108,7 +108,7 @@ class Walk {
     const unsigned level = std::min(tree_.depth(), kTaskLevel);
     const std::size_t first = (std::size_t{1} << level) - 1;
     parallel_blocks(first + 1, 1, [&](std::size_t begin, std::size_t end) {
-      Task task;
+      static thread_local Task task;  // its lists keep their room
       for (std::size_t c = begin; c < end; ++c) {
         const std::size_t root = first + c;
         typename Kernel::Local local{};

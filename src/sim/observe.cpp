@@ -63,6 +63,9 @@ constexpr Column kColumns[] = {
     {&O::packing, "packing", "",
      "volume of the bodies over that of the periodic box; NaN without a closed one"},
     {&O::control_active, "control_active", "", "1 while the spin is controlled"},
+    {&O::gravity_interval, "gravity_interval", "s", "between evaluations of self-gravity, now; 0: none"},
+    {&O::gravity_miss, "gravity_miss", "",
+     "of the last forecast of self-gravity: rms difference to the evaluation, relative"},
 };
 
 std::size_t touching_body_pairs(const State& state) {
@@ -169,6 +172,8 @@ Observation observe(const Physics& physics, State& state, Scratch& scratch, doub
   ledger.recent_overlap = 0.0;
   o.packing = state.box.closed() ? packing_fraction(physics, state.box) : none;
   o.control_active = state.control.active ? 1.0 : 0.0;
+  o.gravity_interval = state.gravity.interval;
+  o.gravity_miss = state.gravity.miss;
   return o;
 }
 

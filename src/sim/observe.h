@@ -18,7 +18,8 @@ struct Observation {
          angular_z = 0.0;
   double momentum_drift = 0.0, angular_drift = 0.0;
   double contacts = 0.0, coordination = 0.0, touching_bodies = 0.0, largest_overlap = 0.0;
-  double remnant_mass_fraction = 0.0, shed_bodies = 0.0, fragments = 0.0, packing = 0.0, control_active = 0.0;
+  double remnant_mass_fraction = 0.0, shed_bodies = 0.0, fragments = 0.0, packing = 0.0, control_active = 0.0,
+         gravity_interval = 0.0, gravity_miss = 0.0;
 };
 
 /// Name, unit and meaning of each column, in the order of `row`.

@@ -195,10 +195,12 @@ void renew_gravity(const Physics& physics, State& state, Scratch& scratch) {
   }
   gravity::sum_groups(scratch.sphere_places, bodies.spheres.mass, bodies.first_sphere, scratch.acceleration,
                       scratch.body_places, scratch.wrenches);
-  gravity::renew(held, scratch.wrenches, bodies.mass, time, pile.spin, dt, physics.gravity_steps != 1, [&] {
+  const auto steps = [&] {
     if (physics.gravity_steps > 0) return physics.gravity_steps;
     return gravity::automatic_steps(held, physics.error, shortest_change(physics, bodies, pile), dt);
-  });
+  };
+  gravity::renew(held, scratch.wrenches, bodies.mass, time, pile.spin, dt, physics.gravity_steps != 1,
+                 std::ref(steps));
   held.due = state.clock.step + held.steps;
 }
 

@@ -1,5 +1,6 @@
 #include "gravity/kepler.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
