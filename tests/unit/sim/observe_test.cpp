@@ -103,14 +103,14 @@ TEST(Observe, WallsCountAsContactsAndEndConservation) {
 TEST(Observe, RowFollowsTheColumns) {
   Observation o;
   o.time = 1.0;
-  o.control_active = 3.0;
+  o.gravity_miss = 3.0;
   const std::vector<double> values = row(o);
   const std::vector<SeriesColumn> columns = series_columns();
   ASSERT_EQ(values.size(), columns.size());
   EXPECT_EQ(values.front(), 1.0);
   EXPECT_EQ(columns.front().name, "time");
   EXPECT_EQ(values.back(), 3.0);
-  EXPECT_EQ(columns.back().name, "control_active");
+  EXPECT_EQ(columns.back().name, "gravity_miss");
 }
 
 }  // namespace
