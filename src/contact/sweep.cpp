@@ -398,21 +398,14 @@ void set_damping(const Bodies& bodies, const SweepSettings& settings, ContactLis
 SweepReport sweep(const Bodies& bodies, const std::vector<SphereMotion>& motions,
                   const SweepSettings& settings, ContactList& contacts) {
   const std::size_t spheres = motions.size();
-  static thread_local std::vector<SweepReport> kept;  // a step allocates nothing
-  std::vector<SweepReport>& reports = kept;           // of the calling thread, in all of them
-  reports.assign((spheres + kBlock - 1) / kBlock, {});
-  contacts.kicks.resize(reports.size());
+  contacts.kicks.resize((spheres + kBlock - 1) / kBlock);
+  SweepReport total;
   with_features(settings.features, [&]<Features F>() {
-    parallel_blocks(spheres, kBlock, [&](std::size_t begin, std::size_t end) {
+    total = parallel_block_sum(spheres, kBlock, SweepReport{}, [&](std::size_t begin, std::size_t end) {
       static thread_local std::vector<std::uint32_t> active, fresh;
-      reports[begin / kBlock] = Block<F>(bodies, motions, settings, contacts, begin, end).run(active, fresh);
+      return Block<F>(bodies, motions, settings, contacts, begin, end).run(active, fresh);
     });
   });
-  SweepReport total;
-  for (const SweepReport& r : reports) {
-    total.dissipated += r.dissipated;
-    total.overlap_ratio = std::max(total.overlap_ratio, r.overlap_ratio);
-  }
   return total;
 }
 

@@ -1,6 +1,7 @@
 // One pass over the candidate pairs: which touch, what force and couple they exert.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "body/bodies.h"
@@ -24,6 +25,12 @@ struct SweepSettings {
 struct SweepReport {
   double dissipated = 0.0;     ///< J, lost in this step
   double overlap_ratio = 0.0;  ///< greatest overlap over the smaller radius of its pair
+
+  SweepReport& operator+=(const SweepReport& other) {
+    dissipated += other.dissipated;
+    overlap_ratio = std::max(overlap_ratio, other.overlap_ratio);
+    return *this;
+  }
 };
 
 /// Evaluates every touching pair: histories and wrenches are updated in place.

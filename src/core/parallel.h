@@ -49,21 +49,28 @@ void parallel_for(std::size_t count, Body&& body) {
   });
 }
 
-/// Sum of term(i) over [0, count), added in a fixed order. `zero` is the additive identity.
+/// Sum of term(begin, end) over the blocks of [0, count), added in a fixed order. `zero` is the additive
+/// identity.
 template <class Value, class Term>
-Value parallel_sum(std::size_t count, Value zero, Term&& term) {
-  constexpr std::size_t block = 512;
+Value parallel_block_sum(std::size_t count, std::size_t block, Value zero, Term&& term) {
   static thread_local std::vector<Value> kept;  // a step allocates nothing
   std::vector<Value>& partial = kept;           // of the calling thread, in all of them
   partial.assign((count + block - 1) / block, zero);
-  parallel_blocks(count, block, [&](std::size_t begin, std::size_t end) {
-    Value sum = zero;
-    for (std::size_t i = begin; i < end; ++i) sum += term(i);
-    partial[begin / block] = sum;
-  });
+  parallel_blocks(count, block,
+                  [&](std::size_t begin, std::size_t end) { partial[begin / block] = term(begin, end); });
   Value total = zero;
   for (const Value& p : partial) total += p;
   return total;
+}
+
+/// Sum of term(i) over [0, count), added in a fixed order.
+template <class Value, class Term>
+Value parallel_sum(std::size_t count, Value zero, Term&& term) {
+  return parallel_block_sum(count, 512, zero, [&](std::size_t begin, std::size_t end) {
+    Value sum = zero;
+    for (std::size_t i = begin; i < end; ++i) sum += term(i);
+    return sum;
+  });
 }
 
 }  // namespace cairn

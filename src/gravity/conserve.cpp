@@ -35,6 +35,16 @@ Turn turn(const Mat3& inertia, const Vec3& torque, double smallest) {
   return result;
 }
 
+NetWrench& NetWrench::operator+=(const NetWrench& other) {
+  force += other.force;
+  torque += other.torque;
+  mass += other.mass;
+  weight += other.weight;
+  first += other.first;
+  second += other.second;
+  return *this;
+}
+
 Balance::Balance(const NetWrench& net) {
   // Below this, forces with so short a lever would be large; the groups' own rotation takes the torque.
   constexpr double kSmallest = 1e-6;

@@ -40,6 +40,8 @@ struct NetWrench {
   double mass = 0.0, weight = 0.0;
   Vec3 first = Vec3::Zero();   ///< of the weight
   Mat3 second = Mat3::Zero();  ///< of the weight
+
+  NetWrench& operator+=(const NetWrench& other);
 };
 
 /// The change of wrenches that leaves no net force and no net torque: of forces by weight (shift + rotation x
@@ -71,10 +73,7 @@ void set_balanced(std::span<const Vec3> positions, std::span<const double> masse
     for (std::size_t i = 0; i < count; ++i) m[i] = masses[g + i];
     return m;
   };
-  static thread_local std::vector<NetWrench> kept;  // a step allocates nothing
-  std::vector<NetWrench>& nets = kept;              // of the calling thread, in all of them
-  nets.resize((n + kBlock - 1) / kBlock);
-  parallel_blocks(n, kBlock, [&](std::size_t begin, std::size_t end) {
+  const Balance balance(parallel_block_sum(n, kBlock, NetWrench{}, [&](std::size_t begin, std::size_t end) {
     PackVec net_force, net_torque, first, diagonal, mixed;
     Pack mass{}, weight{};
     for (std::size_t g = begin; g < end; g += kLanes) {
@@ -96,18 +95,8 @@ void set_balanced(std::span<const Vec3> positions, std::span<const double> masse
     const Vec3 d = sum(diagonal), s = sum(mixed);
     Mat3 second;
     second << d.x(), s.z(), s.y(), s.z(), d.y(), s.x(), s.y(), s.x(), d.z();
-    nets[begin / kBlock] = {sum(net_force), sum(net_torque), sum(mass), sum(weight), sum(first), second};
-  });
-  NetWrench net;
-  for (const NetWrench& part : nets) {
-    net.force += part.force;
-    net.torque += part.torque;
-    net.mass += part.mass;
-    net.weight += part.weight;
-    net.first += part.first;
-    net.second += part.second;
-  }
-  const Balance balance(net);
+    return NetWrench{sum(net_force), sum(net_torque), sum(mass), sum(weight), sum(first), second};
+  }));
   const PackVec shift = spread(balance.shift), rotation = spread(balance.rotation);
   parallel_blocks(n, kBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t g = begin; g < end; g += kLanes) {

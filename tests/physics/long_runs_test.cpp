@@ -103,20 +103,7 @@ std::pair<double, double> trace_of_stress(Experiment& e) {
 }
 
 TEST(LongRuns, APileOfAHundredBodiesKeepsItsSpin) {
-  Experiment e(
-      "seed = 8\n" +
-      scene_text({.restitution = 0.3, .friction = 0.6, .rolling = 0.5, .twisting = 0.5, .cohesion = 1.0},
-                 "max_overlap = 0.05\noverlap_limit = 0.5\nsteps_per_contact = 30", "method = 'direct'", R"(
-[[cloud]]
-shape = [{ shape = 'dumbbell' }, { shape = 'tetrahedron' }, { shape = 'diamond' }, { shape = 'sphere' }]
-count = 100
-size = 5
-density = 3000
-filling = 0.2
-spin_period = 40000
-material = 'surface'
-)",
-                 1e4));
+  Experiment e(hundred_bodies());
   e.begin();
   e.advance(e.physics.steps + 60000);  // the last grains roll to their places
   const auto rate = [&] {

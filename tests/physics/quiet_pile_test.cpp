@@ -11,24 +11,6 @@
 namespace cairn {
 namespace {
 
-/// A hundred mixed bodies that fall together.
-Experiment cloud() {
-  return Experiment(
-      "seed = 8\n" +
-      scene_text({.restitution = 0.3, .friction = 0.6, .rolling = 0.5, .twisting = 0.5, .cohesion = 1.0},
-                 "max_overlap = 0.05\noverlap_limit = 0.5\nsteps_per_contact = 30", "method = 'direct'", R"(
-[[cloud]]
-shape = [{ shape = 'dumbbell' }, { shape = 'tetrahedron' }, { shape = 'diamond' }, { shape = 'sphere' }]
-count = 100
-size = 5
-density = 3000
-filling = 0.2
-spin_period = 40000
-material = 'surface'
-)",
-                 1e4));
-}
-
 /// Kinetic energy apart from the rigid rotation (J).
 double shaking(const Bodies& bodies) {
   const SpinState pile = spin_state(bodies, all_bodies(bodies));
@@ -51,7 +33,7 @@ struct Quiet {
 };
 
 Quiet watch(const Experiment& pile, const std::string& gravity, std::uint64_t steps) {
-  Experiment e = cloud();
+  Experiment e(hundred_bodies());
   e.state.bodies = pile.state.bodies;
   e.scene.stages[0].stiffness = pile.physics.k_n;
   const Scene other = parse_scene("[[body]]\nshape = 'sphere'\ndensity = 1\n[gravity]\n" + gravity +
@@ -81,7 +63,7 @@ Quiet watch(const Experiment& pile, const std::string& gravity, std::uint64_t st
 
 TEST(QuietPile, RareGravityNeitherShakesItNorTakesItsSpin) {
   const std::uint64_t steps = std::getenv("CAIRN_LONG") ? 1'000'000 : 20'000;
-  Experiment pile = cloud();
+  Experiment pile(hundred_bodies());
   pile.begin();
   pile.advance(pile.physics.steps + 60000);  // they rest on each other, turning once in some hours
   const Quiet exact = watch(pile, "method = 'direct'\ninterval = 1", steps);

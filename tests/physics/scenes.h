@@ -78,6 +78,24 @@ duration = {8:.17g}
                      gravity.empty() ? "method = 'none'" : gravity, duration, content);
 }
 
+/// A hundred mixed bodies that fall together under exact gravity to a pile that turns once in some hours.
+inline std::string hundred_bodies() {
+  return "seed = 8\n" +
+         scene_text({.restitution = 0.3, .friction = 0.6, .rolling = 0.5, .twisting = 0.5, .cohesion = 1.0},
+                    "max_overlap = 0.05\noverlap_limit = 0.5\nsteps_per_contact = 30", "method = 'direct'",
+                    R"(
+[[cloud]]
+shape = [{ shape = 'dumbbell' }, { shape = 'tetrahedron' }, { shape = 'diamond' }, { shape = 'sphere' }]
+count = 100
+size = 5
+density = 3000
+filling = 0.2
+spin_period = 40000
+material = 'surface'
+)",
+                    1e4);
+}
+
 /// A uniform field as keys of the gravity table.
 inline std::string field(const Vec3& g) {
   return "method = 'none'\nfield = " + toml(g);
