@@ -61,6 +61,18 @@ void check_distances(const Physics& physics, const State& state, const Pulls& pu
     }
 }
 
+/// Sums over bodies.
+struct PerturberSums {
+  PerturberRates rates;        // torque about the mass centre of body 0
+  Vec3 moment = Vec3::Zero();  // kg m, of the masses about it
+
+  PerturberSums& operator+=(const PerturberSums& other) {
+    rates += other.rates;
+    moment += other.moment;
+    return *this;
+  }
+};
+
 /// Adds the pulls on the spheres of bodies [first, last) to the wrenches of these and sums what they do.
 PerturberSums pull_bodies(const std::vector<Vec3>& pulls, double dt, std::size_t first, std::size_t last,
                           Bodies& bodies) {
@@ -104,29 +116,24 @@ void add_perturbers(const Physics& physics, double dt, State& state, PerturberSc
   const bool one_cell = bodies.cell.empty();
   scratch.pulls.resize(spheres.size());
   if (!one_cell) scratch.places.resize(spheres.size());
-  scratch.sums.assign((bodies.size() + block - 1) / block, {});
   std::atomic<bool> near = false;
-  parallel_blocks(bodies.size(), block, [&](std::size_t first, std::size_t last) {
-    const std::uint32_t begin = bodies.first_sphere[first], end = bodies.first_sphere[last];
-    if (!one_cell)
-      for (std::uint32_t s = begin; s < end; ++s) scratch.places[s] = sphere_place(bodies, s);
-    const std::vector<Vec3>& places = one_cell ? spheres.position : scratch.places;
-    const std::span<Vec3> pull = std::span(scratch.pulls).subspan(begin, end - begin);
-    std::fill(pull.begin(), pull.end(), pulls.common);
-    for (const gravity::Pull& p : pulls.each)
-      if (!(add_pull(p, std::span(places).subspan(begin, end - begin), pull) > pulls.reach2)) near = true;
+  const PerturberSums all =
+      parallel_block_sum(bodies.size(), block, PerturberSums{}, [&](std::size_t first, std::size_t last) {
+        const std::uint32_t begin = bodies.first_sphere[first], end = bodies.first_sphere[last];
+        if (!one_cell)
+          for (std::uint32_t s = begin; s < end; ++s) scratch.places[s] = sphere_place(bodies, s);
+        const std::vector<Vec3>& places = one_cell ? spheres.position : scratch.places;
+        const std::span<Vec3> pull = std::span(scratch.pulls).subspan(begin, end - begin);
+        std::fill(pull.begin(), pull.end(), pulls.common);
+        for (const gravity::Pull& p : pulls.each)
+          if (!(add_pull(p, std::span(places).subspan(begin, end - begin), pull) > pulls.reach2)) near = true;
 
-    scratch.sums[first / block] = pull_bodies(scratch.pulls, dt, first, last, bodies);
-  });
+        return pull_bodies(scratch.pulls, dt, first, last, bodies);
+      });
   if (near) check_distances(physics, state, pulls);
 
-  PerturberRates now;
-  Vec3 moment = Vec3::Zero();
-  for (const PerturberSums& sum : scratch.sums) {
-    now += sum.rates;
-    moment += sum.moment;
-  }
-  now.torque -= (moment / physics.body_mass).cross(now.force);
+  PerturberRates now = all.rates;
+  now.torque -= (all.moment / physics.body_mass).cross(now.force);
   PerturberLedger& ledger = state.ledger.perturbers;
   ledger.work += 0.5 * dt * (ledger.rates.power + now.power);
   ledger.momentum += 0.5 * dt * (ledger.rates.force + now.force);

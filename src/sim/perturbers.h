@@ -6,16 +6,9 @@
 
 namespace cairn {
 
-/// Sums over a block of bodies.
-struct PerturberSums {
-  PerturberRates rates;        ///< torque about the mass centre of body 0
-  Vec3 moment = Vec3::Zero();  ///< kg m, of the masses about it
-};
-
 /// What add_perturbers makes afresh at every call.
 struct PerturberScratch {
   std::vector<Vec3> places, pulls;  ///< of spheres, m and m/s^2
-  std::vector<PerturberSums> sums;  ///< of blocks of bodies
 };
 
 /// Adds the wrenches of perturbers, as the last of all, to those held in the bodies, and books what they

@@ -167,12 +167,11 @@ double shortest_change(const Physics& physics, const Bodies& bodies, const Rigid
       return *this;
     }
   };
-  const double mass = parallel_sum(bodies.size(), 0.0, [&](std::size_t b) { return bodies.mass[b]; });
   const double radius2 = parallel_sum(bodies.size(), 0.0,
                                       [&](std::size_t b) {
                                         return bodies.mass[b] * place(bodies, b, pile.center).squaredNorm();
                                       }) /
-                         mass;
+                         physics.body_mass;
   const Most rate2 = parallel_sum(bodies.size(), Most{}, [&](std::size_t b) {
     const Vec3 x = place(bodies, b, pile.center), v = bodies.velocity[b] - pile.velocity - pile.spin.cross(x);
     const double size2 = std::max(x.squaredNorm(), radius2);
