@@ -1,5 +1,7 @@
 #include "contact/history.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 
 namespace cairn {
@@ -11,24 +13,41 @@ void ContactList::rebuild(std::vector<Pair>& pairs, std::size_t spheres, const F
   const std::size_t n = pairs_.size();
 
   row_.assign(spheres + 1, 0);
-  second_begin.assign(spheres + 1, 0);
-  for (const Pair& p : pairs_) {
-    ++row_[p.i + 1];
-    ++second_begin[p.j + 1];
-  }
-  for (std::size_t s = 0; s < spheres; ++s) {
-    row_[s + 1] += row_[s];
-    second_begin[s + 1] += second_begin[s];
-  }
-  second.resize(n);
-  std::vector<std::uint32_t> cursor(second_begin.begin(), second_begin.end() - 1);
-  for (std::size_t slot = 0; slot < n; ++slot)
-    second[cursor[pairs_[slot].j]++] = static_cast<std::uint32_t>(slot);
+  for (const Pair& p : pairs_) ++row_[p.i + 1];
+  for (std::size_t s = 0; s < spheres; ++s) row_[s + 1] += row_[s];
+  set_shares(spheres);
 
   c_n.assign(n, -1.0);
   springs.assign(features.tangential ? n : 0, ContactSprings{});
-  wrench.assign(n, ContactWrench{});
   restore(kept);
+}
+
+void ContactList::set_shares(std::size_t spheres) {
+  share_of_j.resize(slots());
+  first_share.clear();
+  earlier_begin.assign(spheres + 1, 0);
+  std::uint32_t share = 0;
+  for (std::size_t begin = 0; begin < spheres; begin += kBlock) {
+    const std::size_t end = std::min(begin + kBlock, spheres);
+    const std::uint32_t first = share;
+    first_share.push_back(first);
+    share += static_cast<std::uint32_t>(end - begin);
+    for (std::uint32_t slot = row_[begin]; slot < row_[end]; ++slot) {
+      const std::uint32_t j = pairs_[slot].j;
+      const bool inside = j < end;
+      share_of_j[slot] = inside ? first + j - static_cast<std::uint32_t>(begin) : share++;
+      earlier_begin[j + 1] += !inside;
+    }
+  }
+  first_share.push_back(share);
+  shares.assign(share, WrenchShare(0.0));
+  for (std::size_t s = 0; s < spheres; ++s) earlier_begin[s + 1] += earlier_begin[s];
+  earlier.resize(earlier_begin[spheres]);
+  std::vector<std::uint32_t> cursor(earlier_begin.begin(), earlier_begin.end() - 1);
+  for (std::size_t slot = 0; slot < slots(); ++slot) {
+    const Pair& p = pairs_[slot];
+    if (p.i / kBlock != p.j / kBlock) earlier[cursor[p.j]++] = share_of_j[slot];
+  }
 }
 
 void ContactList::set_shifts(bool any, const std::function<Vec3(const Pair&)>& shift_of) {
@@ -69,7 +88,6 @@ void ContactList::set_memory(std::size_t slot, const ContactMemory<double>& m) {
 
 void ContactList::release(std::size_t slot) {
   set_memory(slot, {.c_n = -1.0, .c_s = 0.0, .slide = {}, .roll = {}, .twist = 0.0});
-  wrench[slot] = ContactWrench{};
 }
 
 std::vector<ContactRecord> ContactList::records() const {

@@ -26,6 +26,10 @@ struct ContactWrench {
   double torque_j[3];  ///< N m
 };
 
+/// What some contacts together exert on a sphere, in one cache line: force (N) and torque about the sphere's
+/// centre (N m), three numbers each and one that is not used.
+using WrenchShare = Batch;
+
 /// Springs of one contact and its tangential dashpot, in one cache line.
 struct alignas(64) ContactSprings {
   double slide[3] = {};  ///< m
@@ -43,6 +47,10 @@ struct PartialKick {
 /// Candidate pairs ("slots") sorted by (i, j), their histories and wrenches.
 class ContactList {
  public:
+  /// Spheres per block: what one sweep works on, independent of threads and of the candidates. Where both
+  /// spheres of a pair are in one block, their wrenches are summed there.
+  static constexpr std::size_t kBlock = 256;
+
   /// Replaces the candidates; histories of touching pairs are carried over. Every touching pair must be among
   /// the new candidates. `features` says which springs exist.
   void rebuild(std::vector<Pair>& pairs, std::size_t spheres, const Features& features);
@@ -72,19 +80,27 @@ class ContactList {
     return lattice.cwiseProduct(Vec3(shift[slot][0], shift[slot][1], shift[slot][2]));
   }
 
-  /// Slots in which sphere s is the second partner: second[second_begin[s]] ... in increasing order.
-  std::vector<std::uint32_t> second_begin, second;
+  /// Where the sum of sphere s over the pairs of its own block is in `shares`.
+  std::size_t share_of(std::size_t s) const { return first_share[s / kBlock] + s % kBlock; }
+  /// Shares of sphere s from earlier blocks: earlier[earlier_begin[s]] ... in increasing order.
+  std::vector<std::uint32_t> earlier_begin, earlier;
 
-  std::vector<double> c_n;                      ///< kg/s; < 0: not touching
-  std::vector<ContactSprings> springs;          ///< empty when there is no tangential force
-  std::vector<ContactWrench> wrench;            ///< zero where not touching
-  std::vector<std::array<double, 3>> shift;     ///< whole edges of the lattice; empty: none is shifted
-  std::vector<std::uint8_t> is_shifted;         ///< whether a slot's shift is not zero; empty as `shift`
-  Vec3 lattice = Vec3::Zero();                  ///< m, edges of the cells, or of the periodic box as it is
-  Vec3 lattice_rate = Vec3::Zero();             ///< 1/s, their growth: images move with it
+  std::vector<double> c_n;                   ///< kg/s; < 0: not touching
+  std::vector<ContactSprings> springs;       ///< empty when there is no tangential force
+  std::vector<WrenchShare> shares;           ///< by block: of its spheres, then of each pair that leaves it
+  std::vector<std::uint32_t> first_share;    ///< of each block
+  std::vector<std::uint32_t> share_of_j;     ///< where the wrench on j of a slot is added
+  std::vector<ContactWrench> wrench;         ///< of each slot in the last sweep, while `keep_wrenches`
+  bool keep_wrenches = false;                ///< for those who look into the pile; the motion needs none
+  std::vector<std::array<double, 3>> shift;  ///< whole edges of the lattice; empty: none is shifted
+  std::vector<std::uint8_t> is_shifted;      ///< whether a slot's shift is not zero; empty as `shift`
+  Vec3 lattice = Vec3::Zero();               ///< m, edges of the cells, or of the periodic box as it is
+  Vec3 lattice_rate = Vec3::Zero();          ///< 1/s, their growth: images move with it
   std::vector<std::vector<PartialKick>> kicks;  ///< of the last sweep, by block of spheres
 
  private:
+  void set_shares(std::size_t spheres);
+
   std::vector<Pair> pairs_;
   std::vector<std::uint32_t> row_;
   Features features_;

@@ -12,8 +12,7 @@ namespace cairn {
 
 namespace {
 
-/// Spheres per block: a unit of work that does not depend on threads or on the candidate list.
-constexpr std::size_t kBlock = 256;
+constexpr std::size_t kBlock = ContactList::kBlock;
 
 const PairLaw& law_of(const Bodies& bodies, const SweepSettings& settings, const Pair& pair) {
   const std::uint16_t a = settings.material[bodies.spheres.body[pair.i]];
@@ -111,23 +110,25 @@ LawConstants<Batch> gather_laws(const Bodies& bodies, const SweepSettings& setti
   return out;
 }
 
-CAIRN_INLINE void store_wrenches(ContactList& contacts, const Slots& slot, const Triple<Batch>& force,
-                                 const Triple<Batch>& torque_i, const Triple<Batch>& torque_j) {
-  double* rows[kLanes];
-  for (std::size_t l = 0; l < kLanes; ++l) rows[l] = contacts.wrench[slot[l]].force;
-  store_transposed({force.x, force.y, force.z, torque_i.x, torque_i.y, torque_i.z, torque_j.x, torque_j.y},
-                   rows);
-  for (std::size_t l = 0; l < kLanes; ++l) rows[l][8] = torque_j.z[l];
-}
+/// Wrenches of eight contacts on their spheres i, and less those on j.
+struct WrenchBatch {
+  Triple<Batch> force, torque_i, less_torque_j;
 
-void add_first_touches(const ContactList& contacts, const Slots& slot, Mask fresh,
+  ContactWrench of(std::size_t l) const {
+    return {{force.x[l], force.y[l], force.z[l]},
+            {torque_i.x[l], torque_i.y[l], torque_i.z[l]},
+            {-less_torque_j.x[l], -less_torque_j.y[l], -less_torque_j.z[l]}};
+  }
+};
+
+void add_first_touches(const ContactList& contacts, const Slots& slot, Mask fresh, const WrenchBatch& wrench,
                        const ContactGeometry<Batch>& geometry, Batch age, Batch k_n, double dt,
                        std::vector<PartialKick>& kicks) {
   const FirstTouch<Batch> due = first_touch(k_n, geometry.overlap, age, Batch(dt));
   for (std::size_t l = 0; l < kLanes; ++l) {
     const bool spare = l > 0 && slot[l] == slot[l - 1];
     if (!fresh.v[l] || spare) continue;
-    PartialKick kick{contacts.pair(slot[l]), contacts.wrench[slot[l]]};
+    PartialKick kick{contacts.pair(slot[l]), wrench.of(l)};
     const double n[3] = {geometry.n.x[l], geometry.n.y[l], geometry.n.z[l]};
     for (int c = 0; c < 3; ++c) {
       kick.impulse.force[c] = due.wrench[l] * kick.impulse.force[c] + due.normal[l] * n[c];
@@ -169,8 +170,11 @@ class Block {
         first_(contacts.begin(begin)),
         last_(contacts.begin(end)),
         single_(settings.laws[0]),
+        shares_(contacts.shares.data() + contacts.share_of(begin) - begin),
         kicks_(contacts.kicks[begin / kBlock]) {
     kicks_.clear();
+    std::fill(contacts.shares.begin() + contacts.first_share[begin / kBlock],
+              contacts.shares.begin() + contacts.first_share[begin / kBlock + 1], WrenchShare(0.0));
   }
 
   SweepReport run(std::vector<std::uint32_t>& active, std::vector<std::uint32_t>& fresh) {
@@ -202,10 +206,18 @@ class Block {
   /// Writes the slots of pairs that touch or did so a step ago to `active`, in order.
   template <bool shifted>
   std::size_t find_pairs(std::vector<std::uint32_t>& active, std::vector<std::uint32_t>& fresh) const {
-    active.resize(last_ - first_);
-    fresh.resize(last_ - first_);
+    active.resize(last_ - first_ + kLanes);
+    fresh.resize(last_ - first_ + kLanes);
     std::size_t count = 0, apart = 0;
-    for (std::uint32_t slot = first_; slot < last_; ++slot) {
+    std::uint32_t slot = first_;
+    for (; slot + kLanes <= last_; slot += kLanes) {
+      Batch c_n;
+      __builtin_memcpy(&c_n, &contacts_.c_n[slot], sizeof c_n);
+      const Mask not_touching = c_n < Batch(0.0);
+      count += write_lanes(!not_touching, slot, &active[count]);
+      apart += write_lanes(not_touching, slot, &fresh[apart]);
+    }
+    for (; slot < last_; ++slot) {
       const bool touching = contacts_.touching(slot);
       active[count] = fresh[apart] = slot;
       count += touching;
@@ -214,7 +226,7 @@ class Block {
     const Spheres& spheres = bodies_.spheres;
     std::size_t begun = 0;
     for (std::size_t k = 0; k < apart; ++k) {
-      const std::uint32_t slot = fresh[k];
+      slot = fresh[k];
       const Pair pair = contacts_.pair(slot);
       const Vec3 &a = spheres.position[pair.i], &b = spheres.position[pair.j];
       double x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
@@ -309,23 +321,49 @@ class Block {
     const ContactAction<Batch> action = evaluate<F>(law, geometry, motion, memory);
     store_springs<F>(contacts_, slot, memory);
     const Triple<Batch> moment = cross(geometry.n, action.force);
-    store_wrenches(contacts_, slot, action.force, fma(arm_i, moment, action.couple),
-                   fma(arm_j, moment, Batch(-1.0) * action.couple));
+    const WrenchBatch wrench{action.force, fma(arm_i, moment, action.couple),
+                             fma(-arm_j, moment, action.couple)};
     const Batch smaller = min(a.radius, b.radius);
     if (any(geometry.overlap > overlap_ratio_ * smaller))
       overlap_ratio_ = max(overlap_ratio_, geometry.overlap / smaller);
     if constexpr (!changes) {
       dissipated_ += action.dissipated;
+      add_wrenches(slot, index_i, wrench, Mask{}, kLanes);
       return;
     }
+    add_wrenches(slot, index_i, wrench, parted, used);
     if (any(fresh))
-      add_first_touches(contacts_, slot, fresh, geometry, motion.dt, law.k_n, settings_.dt, kicks_);
+      add_first_touches(contacts_, slot, fresh, wrench, geometry, motion.dt, law.k_n, settings_.dt, kicks_);
     for (std::size_t l = 0; l < used; ++l) {
       if (parted.v[l])
         contacts_.release(slot[l]);
       else
         dissipated_.v[l] += action.dissipated[l];
     }
+  }
+
+  /// Adds the wrenches of the first `used` contacts to their spheres' shares, without those that have parted.
+  CAIRN_INLINE void add_wrenches(const Slots& slot, const std::uint32_t (&index_i)[kLanes],
+                                 const WrenchBatch& w, Mask parted, std::size_t used) {
+    Batch on_i[kLanes], less_on_j[kLanes];
+    to_rows(w.force, w.torque_i, on_i);
+    to_rows(w.force, w.less_torque_j, less_on_j);
+    WrenchShare *of_i[kLanes], *of_j[kLanes];
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      of_i[l] = &shares_[index_i[l]];
+      of_j[l] = &contacts_.shares[contacts_.share_of_j[slot[l]]];
+    }
+    for (std::size_t l = 0; l < used; ++l) {
+      if (parted.v[l]) continue;
+      *of_i[l] += on_i[l];
+      *of_j[l] -= less_on_j[l];
+    }
+    if (contacts_.keep_wrenches) keep(slot, w, parted, used);
+  }
+
+  [[gnu::noinline]] void keep(const Slots& slot, const WrenchBatch& w, Mask parted, std::size_t used) {
+    for (std::size_t l = 0; l < used; ++l)
+      if (!parted.v[l]) contacts_.wrench[slot[l]] = w.of(l);
   }
 
   bool any_shifted(const Slots& slot) const {
@@ -358,6 +396,7 @@ class Block {
   ContactList& contacts_;
   const std::uint32_t first_, last_;  // slots
   const LawConstants<Batch> single_;
+  WrenchShare* shares_;  // of spheres, by their number
   std::vector<PartialKick>& kicks_;
   Batch dissipated_ = 0.0, overlap_ratio_ = 0.0;
   double released_ = 0.0;
@@ -399,6 +438,7 @@ SweepReport sweep(const Bodies& bodies, const std::vector<SphereMotion>& motions
                   const SweepSettings& settings, ContactList& contacts) {
   const std::size_t spheres = motions.size();
   contacts.kicks.resize((spheres + kBlock - 1) / kBlock);
+  if (contacts.keep_wrenches) contacts.wrench.assign(contacts.slots(), ContactWrench{});
   SweepReport total;
   with_features(settings.features, [&]<Features F>() {
     total = parallel_block_sum(spheres, kBlock, SweepReport{}, [&](std::size_t begin, std::size_t end) {
@@ -423,38 +463,6 @@ Pair deepest_pair(const Bodies& bodies, const ContactList& contacts) {
     }
   }
   return deepest;
-}
-
-void gather_wrenches(const ContactList& contacts, Bodies& bodies) {
-  const Spheres& spheres = bodies.spheres;
-  // One load takes the force, torque_i and two thirds of torque_j.
-  const auto row = [&](std::size_t slot) {
-    Batch b;
-    __builtin_memcpy(&b, &contacts.wrench[slot], sizeof b);
-    return b;
-  };
-  parallel_for(bodies.size(), [&](std::size_t b) {
-    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-    for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s) {
-      Batch as_j(0.0);
-      double z = 0.0;
-      for (std::uint32_t k = contacts.second_begin[s]; k < contacts.second_begin[s + 1]; ++k) {
-        const std::uint32_t slot = contacts.second[k];
-        as_j += row(slot);
-        z += contacts.wrench[slot].torque_j[2];
-      }
-      constexpr Mask::Vector order{0, 1, 2, 6, 7, 5, 5, 5};
-      constexpr Batch::Vector sign{-1.0, -1.0, -1.0, 1.0, 1.0, 0.0, 0.0, 0.0};
-      Batch sum =
-          __builtin_shuffle(as_j.v, order) * sign + Batch::Vector{0.0, 0.0, 0.0, 0.0, 0.0, z, 0.0, 0.0};
-      for (std::uint32_t slot = contacts.begin(s); slot < contacts.begin(s + 1); ++slot) sum += row(slot);
-      const Vec3 f(sum[0], sum[1], sum[2]);
-      force += f;
-      torque += Vec3(sum[3], sum[4], sum[5]) + (spheres.position[s] - bodies.position[b]).cross(f);
-    }
-    bodies.force[b] += force;
-    bodies.torque[b] += torque;
-  });
 }
 
 void apply_partial_kicks(const ContactList& contacts, Bodies& bodies) {

@@ -45,9 +45,6 @@ Pair deepest_pair(const Bodies& bodies, const ContactList& contacts);
 void set_damping(const Bodies& bodies, const SweepSettings& settings, ContactList& contacts,
                  std::size_t slot);
 
-/// Adds contact forces and torques to the bodies' wrenches, in the order of sphere ids.
-void gather_wrenches(const ContactList& contacts, Bodies& bodies);
-
 /// Gives the bodies the impulses of contacts that began or ended within the step of the last sweep.
 void apply_partial_kicks(const ContactList& contacts, Bodies& bodies);
 

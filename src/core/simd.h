@@ -44,6 +44,10 @@ struct Batch {
     v += a.v;
     return *this;
   }
+  Batch& operator-=(Batch a) {
+    v -= a.v;
+    return *this;
+  }
   CAIRN_INLINE friend Mask operator<(Batch a, Batch b) { return {a.v < b.v}; }
   CAIRN_INLINE friend Mask operator>(Batch a, Batch b) { return {a.v > b.v}; }
 };
@@ -59,6 +63,24 @@ CAIRN_INLINE bool any(Mask m) {
 }
 CAIRN_INLINE bool any(bool m) {
   return m;
+}
+
+/// Writes first + l for every lane l that m has, in order; `to` has room for all. Returns how many.
+CAIRN_INLINE std::size_t write_lanes(Mask m, std::uint32_t first, std::uint32_t* to) {
+#ifdef __AVX512F__
+  const __mmask8 bits = _mm512_test_epi64_mask((__m512i)m.v, (__m512i)m.v);
+  const __m512i lanes = (__m512i)(Mask::Vector{0, 1, 2, 3, 4, 5, 6, 7} + static_cast<std::int64_t>(first));
+  const __m256i packed = _mm512_maskz_cvtepi64_epi32(0xff, _mm512_maskz_compress_epi64(bits, lanes));
+  __builtin_memcpy(to, &packed, sizeof packed);
+  return static_cast<std::size_t>(__builtin_popcount(bits));
+#else
+  std::size_t count = 0;
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    to[count] = first + static_cast<std::uint32_t>(l);
+    count += m.v[l] != 0;
+  }
+  return count;
+#endif
 }
 
 CAIRN_INLINE Batch select(Mask m, Batch yes, Batch no) {
@@ -217,6 +239,18 @@ CAIRN_INLINE T dot(const Triple<T>& a, const Triple<T>& b) {
 template <class T>
 CAIRN_INLINE Triple<T> cross(const Triple<T>& a, const Triple<T>& b) {
   return {fma(a.y, b.z, -(a.z * b.y)), fma(a.z, b.x, -(a.x * b.z)), fma(a.x, b.y, -(a.y * b.x))};
+}
+
+/// Eight pairs of vectors, each as (a, 0, b, 0).
+CAIRN_INLINE void to_rows(const Triple<Batch>& a, const Triple<Batch>& b, Batch (&row)[kLanes]) {
+  constexpr simd_detail::I low{0, 1, 2, 3, 8, 9, 10, 11}, high{4, 5, 6, 7, 12, 13, 14, 15};
+  simd_detail::V p[4] = {a.x.v, a.y.v, a.z.v, {}}, q[4] = {b.x.v, b.y.v, b.z.v, {}};
+  simd_detail::transpose(p);
+  simd_detail::transpose(q);
+  for (std::size_t k = 0; k < 4; ++k) {
+    row[k] = __builtin_shuffle(p[k], q[k], low);
+    row[k + 4] = __builtin_shuffle(p[k], q[k], high);
+  }
 }
 
 }  // namespace cairn

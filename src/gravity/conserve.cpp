@@ -45,7 +45,7 @@ NetWrench& NetWrench::operator+=(const NetWrench& other) {
   return *this;
 }
 
-Balance::Balance(const NetWrench& net) {
+void Balance::set(const NetWrench& net) {
   // Below this, forces with so short a lever would be large; the groups' own rotation takes the torque.
   constexpr double kSmallest = 1e-6;
   const bool felt = net.weight > 0.0;
@@ -53,9 +53,9 @@ Balance::Balance(const NetWrench& net) {
   const Mat3 second = net.second - net.weight * centre * centre.transpose();
   const Turn t =
       turn(second.trace() * Mat3::Identity() - second, centre.cross(net.force) - net.torque, kSmallest);
-  rotation = t.rotation;
-  shift = felt ? Vec3(-net.force / net.weight - rotation.cross(centre)) : Vec3(Vec3::Zero());
-  torque = t.rest / net.mass;
+  rotation_ = spread(t.rotation);
+  shift_ = felt ? spread(Vec3(-net.force / net.weight - t.rotation.cross(centre))) : PackVec{};
+  torque_ = spread(Vec3(t.rest / net.mass));
 }
 
 }  // namespace cairn::gravity

@@ -44,45 +44,55 @@ struct NetWrench {
   NetWrench& operator+=(const NetWrench& other);
 };
 
-/// The change of wrenches that leaves no net force and no net torque: of forces by weight (shift + rotation x
-/// X), which is the smallest change relative to |F| / sqrt(m) that does it; what torque they have no lever
-/// for is taken from the groups' own torques, in proportion to mass.
-struct Balance {
-  Vec3 shift, rotation;
-  Vec3 torque;  ///< over mass
-
-  explicit Balance(const NetWrench& net);
-};
-
 /// Wrenches on kLanes groups.
 struct PackWrench {
   PackVec force, torque;
 };
 
-/// Sets wrenches on groups at `positions` (m), of `masses` (kg), to at(g, count), the PackWrench of the
-/// `count` groups from g on, balanced. Sums run in a fixed order, in parallel.
+/// Masses (kg) of the `count` groups from g on; 1 in lanes past them, which are divided by it.
+inline Pack load_masses(std::span<const double> masses, std::size_t g, std::size_t count) {
+  if (count >= kLanes) return load(&masses[g]);
+  Pack m = spread(1.0);
+  for (std::size_t i = 0; i < count; ++i) m[i] = masses[g + i];
+  return m;
+}
+
+/// The change of wrenches that leaves no net force and no net torque: of forces by weight (shift + rotation x
+/// X), which is the smallest change relative to |F| / sqrt(m) that does it; what torque they have no lever
+/// for is taken from the groups' own torques, in proportion to mass.
+class Balance {
+ public:
+  /// For the wrenches at(g, count), the PackWrench of the `count` groups from g on, on groups at `positions`
+  /// (m), of `masses` (kg). Sums run in a fixed order, in parallel.
+  template <class At>
+  Balance(std::span<const Vec3> positions, std::span<const double> masses, const At& at);
+
+  /// The wrenches on kLanes groups at x (m), of masses m, with the change.
+  PackWrench operator()(const PackVec& x, Pack m, const PackWrench& w) const {
+    const PackVec lever = x - origin_;
+    const Pack weight = dot(w.force, w.force) / m;
+    return {fma(weight, shift_ + cross(rotation_, lever), w.force), fma(m, torque_, w.torque)};
+  }
+
+ private:
+  void set(const NetWrench& net);
+
+  PackVec origin_;  // a pile far from the zero keeps its digits
+  PackVec shift_, rotation_;
+  PackVec torque_;  // over mass
+};
+
 template <class At>
-void set_balanced(std::span<const Vec3> positions, std::span<const double> masses, const At& at,
-                  std::span<Vec3> force, std::span<Vec3> torque) {
-  constexpr std::size_t kBlock = 512;
-  const std::size_t n = positions.size();
-  const PackVec origin = spread(positions[0]);  // a pile far from the zero keeps its digits
-  const auto mass_of = [&](std::size_t g, std::size_t count) {
-    if (count >= kLanes) return load(&masses[g]);
-    Pack m = spread(1.0);  // lanes past the end are divided by it
-    for (std::size_t i = 0; i < count; ++i) m[i] = masses[g + i];
-    return m;
-  };
-  const Balance balance(parallel_block_sum(n, kBlock, NetWrench{}, [&](std::size_t begin, std::size_t end) {
+Balance::Balance(std::span<const Vec3> positions, std::span<const double> masses, const At& at)
+    : origin_(spread(positions[0])) {
+  set(parallel_block_sum(positions.size(), 512, NetWrench{}, [&](std::size_t begin, std::size_t end) {
     PackVec net_force, net_torque, first, diagonal, mixed;
     Pack mass{}, weight{};
     for (std::size_t g = begin; g < end; g += kLanes) {
       const std::size_t count = end - g;
       const PackWrench w = at(g, count);
-      const PackVec x = load(&positions[g], count) - origin;
-      const Pack m = mass_of(g, count), part = dot(w.force, w.force) / m;
-      store(&force[g], w.force, count);
-      store(&torque[g], w.torque, count);
+      const PackVec x = load(&positions[g], count) - origin_;
+      const Pack m = load_masses(masses, g, count), part = dot(w.force, w.force) / m;
       net_force = net_force + w.force;
       net_torque = net_torque + cross(x, w.force) + w.torque;
       mass += head(count) * m;
@@ -97,17 +107,6 @@ void set_balanced(std::span<const Vec3> positions, std::span<const double> masse
     second << d.x(), s.z(), s.y(), s.z(), d.y(), s.x(), s.y(), s.x(), d.z();
     return NetWrench{sum(net_force), sum(net_torque), sum(mass), sum(weight), sum(first), second};
   }));
-  const PackVec shift = spread(balance.shift), rotation = spread(balance.rotation);
-  parallel_blocks(n, kBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t g = begin; g < end; g += kLanes) {
-      const std::size_t count = end - g;
-      const PackVec x = load(&positions[g], count) - origin, f = load(&force[g], count);
-      const Pack part = dot(f, f) / mass_of(g, count);
-      store(&force[g], fma(part, shift + cross(rotation, x), f), count);
-    }
-    if (balance.torque != Vec3::Zero())
-      for (std::size_t g = begin; g < end; ++g) torque[g] += masses[g] * balance.torque;
-  });
 }
 
 }  // namespace cairn::gravity

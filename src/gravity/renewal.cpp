@@ -34,6 +34,11 @@ void forecast(std::span<const Vec3> now, std::span<const Vec3> before, double ra
   parallel_for(now.size(), [&](std::size_t g) { out[g] = now[g] + ratio * (now[g] - before[g]); });
 }
 
+std::array<PackVec, 3> rows(const Quat& rotation) {
+  const Mat3 matrix = rotation.toRotationMatrix();
+  return {spread(matrix.row(0)), spread(matrix.row(1)), spread(matrix.row(2))};
+}
+
 }  // namespace
 
 Quat attitude_at(const HeldGravity& held, double time) {
@@ -70,23 +75,31 @@ void renew(HeldGravity& held, const Wrenches& now, std::span<const double> masse
   held.evaluated = now;
 }
 
-void extrapolate(const HeldGravity& held, double time, std::span<const Vec3> positions,
-                 std::span<const double> masses, std::span<Vec3> force, std::span<Vec3> torque) {
-  const Mat3 turned = attitude_at(held, time).toRotationMatrix();
-  const PackVec row[3] = {spread(turned.row(0)), spread(turned.row(1)), spread(turned.row(2))};
-  const double part = held.interval > 0.0 ? (time - held.time) / held.interval : 0.0;
-  const bool moves = !held.to.force.empty() && part != 0.0, points = held.from.torque.empty();
-  const auto now = [&](const std::vector<Vec3>& from, const std::vector<Vec3>& to, std::size_t g,
-                       std::size_t count) -> PackVec {
+SelfGravity::SelfGravity(const HeldGravity& held, double time, std::span<const Vec3> positions,
+                         std::span<const double> masses)
+    : held_(held),
+      positions_(positions),
+      masses_(masses),
+      turned_(rows(attitude_at(held, time))),
+      part_(held.interval > 0.0 && !held.to.force.empty() ? (time - held.time) / held.interval : 0.0),
+      balance_(positions, masses, [this](std::size_t g, std::size_t count) { return unbalanced(g, count); }) {
+}
+
+PackWrench SelfGravity::unbalanced(std::size_t g, std::size_t count) const {
+  const auto now = [&](const std::vector<Vec3>& from, const std::vector<Vec3>& to) -> PackVec {
     PackVec f = load(&from[g], count);
-    if (moves) f = fma(spread(part), load(&to[g], count) - f, f);
-    return {dot(row[0], f), dot(row[1], f), dot(row[2], f)};
+    if (part_ != 0.0) f = fma(spread(part_), load(&to[g], count) - f, f);
+    return {dot(turned_[0], f), dot(turned_[1], f), dot(turned_[2], f)};
   };
-  const auto at = [&](std::size_t g, std::size_t count) -> PackWrench {
-    return {now(held.from.force, held.to.force, g, count),
-            points ? PackVec{} : now(held.from.torque, held.to.torque, g, count)};
-  };
-  set_balanced(positions, masses, at, force, torque);
+  return {now(held_.from.force, held_.to.force),
+          held_.from.torque.empty() ? PackVec{} : now(held_.from.torque, held_.to.torque)};
+}
+
+void SelfGravity::get(std::size_t g, std::size_t count, Vec3* force, Vec3* torque) const {
+  const PackWrench w =
+      balance_(load(&positions_[g], count), load_masses(masses_, g, count), unbalanced(g, count));
+  store(force, w.force, count);
+  store(torque, w.torque, count);
 }
 
 std::uint64_t automatic_steps(const HeldGravity& held, double error, double shortest, double dt) {

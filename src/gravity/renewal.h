@@ -5,6 +5,7 @@
 // conserved to round-off however rarely gravity is evaluated.
 #pragma once
 
+#include <array>
 #include <functional>
 
 #include "gravity/conserve.h"
@@ -38,9 +39,28 @@ Quat attitude_at(const HeldGravity& held, double time);
 void renew(HeldGravity& held, const Wrenches& now, std::span<const double> masses, double time,
            const Vec3& omega, double dt, bool forecasts, const std::function<std::uint64_t()>& steps);
 
-/// Wrenches on the groups at `time` (s) and at their present positions (m), in space, balanced.
-void extrapolate(const HeldGravity& held, double time, std::span<const Vec3> positions,
-                 std::span<const double> masses, std::span<Vec3> force, std::span<Vec3> torque);
+/// The held gravity at one moment: wrenches on groups at their present places, in space, balanced. It looks
+/// at what it is made from, which has to stay.
+class SelfGravity {
+ public:
+  /// At `time` (s), on groups at `positions` (m), of `masses` (kg).
+  SelfGravity(const HeldGravity& held, double time, std::span<const Vec3> positions,
+              std::span<const double> masses);
+
+  /// Forces (N) and torques (N m) on the first `count` of the kLanes groups from g on; torques of points are
+  /// those of the balance.
+  void get(std::size_t g, std::size_t count, Vec3* force, Vec3* torque) const;
+
+ private:
+  PackWrench unbalanced(std::size_t g, std::size_t count) const;
+
+  const HeldGravity& held_;
+  std::span<const Vec3> positions_;
+  std::span<const double> masses_;
+  std::array<PackVec, 3> turned_;  // rows of the rotation to space
+  double part_;                    // of the interval that has passed; 0: nothing changes
+  Balance balance_;
+};
 
 /// Steps of `dt` (s) to the next evaluation for the error asked for. The interval grows by at most twice, at
 /// most to sqrt(error) times `shortest` (s, of the times in which the field can change), since a forecast

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "analysis/spin_state.h"
 #include "body/cells.h"
+#include "contact/gather.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/timer.h"
@@ -92,27 +94,6 @@ void check_overlap(const Physics& physics, const State& state, double pairs, con
       "t = {:.6g} s: {} overlap by {:.3g} of the smaller radius (contact.overlap_limit = {:g}): raise the "
       "stiffness (contact.stiffness, or stage.impact_speed for the automatic one) or shorten the time step",
       state.clock.time(), who, overlap, physics.overlap_limit);
-}
-
-void evaluate_contacts(const Physics& physics, const SweepSettings& settings, State& state,
-                       Scratch& scratch) {
-  const SweepReport pairs = sweep(state.bodies, scratch.motions, settings, state.contacts);
-  gather_wrenches(state.contacts, state.bodies);
-  apply_partial_kicks(state.contacts, state.bodies);
-  WallReport walls;
-  Ledger& ledger = state.ledger;
-  if (!state.walls.empty()) {
-    walls = state.walls.sweep(scratch.motions, settings, state.clock.time(), scratch.wall_candidates,
-                              state.bodies);
-    // A wrench acts for half a step on either side of its evaluation.
-    ledger.wall_work += 0.5 * settings.dt * (ledger.wall_power + walls.power) + walls.kicked;
-    ledger.wall_power = walls.power;
-  }
-  ledger.dissipated += pairs.dissipated + walls.dissipated;
-  const double overlap = std::max(pairs.overlap_ratio, walls.overlap_ratio);
-  ledger.recent_overlap = std::max(ledger.recent_overlap, overlap);
-  ledger.largest_overlap = std::max(ledger.largest_overlap, overlap);
-  check_overlap(physics, state, pairs.overlap_ratio, walls);
 }
 
 /// Places from the pile's centre of mass in a frame turned with it. There a pile at rest in itself looks the
@@ -203,24 +184,54 @@ void renew_gravity(const Physics& physics, State& state, Scratch& scratch) {
   held.due = state.clock.step + held.steps;
 }
 
-/// Sets the bodies' wrenches to those of self-gravity and the field; contacts are added to them.
-void begin_wrenches(const Physics& physics, State& state, Scratch& scratch) {
+/// Where bodies are for gravity: in one lattice of cells, from its middle.
+std::span<const Vec3> body_places(const Bodies& bodies, Scratch& scratch) {
+  if (bodies.cell.empty()) return bodies.position;
+  scratch.body_places.resize(bodies.size());
+  parallel_for(bodies.size(), [&](std::size_t b) { scratch.body_places[b] = place(bodies, b); });
+  return scratch.body_places;
+}
+
+/// Sets the bodies' wrenches to those of their contacts, of self-gravity as it is held, and of the field.
+void gather(const Physics& physics, State& state, Scratch& scratch) {
   Bodies& bodies = state.bodies;
-  if (physics.gravity == GravityMethod::none) {
-    std::fill(bodies.force.begin(), bodies.force.end(), Vec3::Zero());
-    std::fill(bodies.torque.begin(), bodies.torque.end(), Vec3::Zero());
-  } else {
-    if (state.clock.step == state.gravity.due) renew_gravity(physics, state, scratch);
-    std::span<const Vec3> places = bodies.position;
-    if (!bodies.cell.empty()) {
-      scratch.body_places.resize(bodies.size());
-      parallel_for(bodies.size(), [&](std::size_t b) { scratch.body_places[b] = place(bodies, b); });
-      places = scratch.body_places;
-    }
-    gravity::extrapolate(state.gravity, state.clock.time(), places, bodies.mass, bodies.force, bodies.torque);
+  if (physics.gravity == GravityMethod::none && physics.field == Vec3::Zero())
+    return gather_wrenches(state.contacts, bodies);
+  std::optional<gravity::SelfGravity> pull;
+  if (physics.gravity != GravityMethod::none)
+    pull.emplace(state.gravity, state.clock.time(), body_places(bodies, scratch), bodies.mass);
+  gather_wrenches(
+      state.contacts,
+      [&](std::size_t b, std::size_t count, Vec3* force, Vec3* torque) {
+        constexpr std::size_t kFew = gravity::kLanes;
+        std::fill_n(force, count, Vec3::Zero());
+        std::fill_n(torque, count, Vec3::Zero());
+        for (std::size_t k = 0; pull && k < count; k += kFew)
+          pull->get(b + k, std::min(kFew, count - k), force + k, torque + k);
+        for (std::size_t k = 0; k < count; ++k) force[k] += bodies.mass[b + k] * physics.field;
+      },
+      bodies);
+}
+
+/// Contacts at the present poses; then the wrenches of all that acts.
+void evaluate_forces(const Physics& physics, const SweepSettings& settings, State& state, Scratch& scratch) {
+  const SweepReport pairs = sweep(state.bodies, scratch.motions, settings, state.contacts);
+  gather(physics, state, scratch);
+  apply_partial_kicks(state.contacts, state.bodies);
+  WallReport walls;
+  Ledger& ledger = state.ledger;
+  if (!state.walls.empty()) {
+    walls = state.walls.sweep(scratch.motions, settings, state.clock.time(), scratch.wall_candidates,
+                              state.bodies);
+    // A wrench acts for half a step on either side of its evaluation.
+    ledger.wall_work += 0.5 * settings.dt * (ledger.wall_power + walls.power) + walls.kicked;
+    ledger.wall_power = walls.power;
   }
-  if (physics.field != Vec3::Zero())
-    parallel_for(bodies.size(), [&](std::size_t b) { bodies.force[b] += bodies.mass[b] * physics.field; });
+  ledger.dissipated += pairs.dissipated + walls.dissipated;
+  const double overlap = std::max(pairs.overlap_ratio, walls.overlap_ratio);
+  ledger.recent_overlap = std::max(ledger.recent_overlap, overlap);
+  ledger.largest_overlap = std::max(ledger.largest_overlap, overlap);
+  check_overlap(physics, state, pairs.overlap_ratio, walls);
 }
 
 void control_spin(const Physics& physics, State& state, Scratch& scratch) {
@@ -287,8 +298,8 @@ void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inher
   scratch.spin_mid.resize(bodies.size());
   parallel_for(bodies.size(), [&](std::size_t b) { scratch.spin_mid[b] = angular_velocity(bodies, b); });
   compute_motions(bodies, scratch.spin_mid, 0.0, scratch.motions, state.box.rate);
-  begin_wrenches(physics, state, scratch);
-  evaluate_contacts(physics, still, state, scratch);
+  if (physics.gravity != GravityMethod::none) renew_gravity(physics, state, scratch);
+  evaluate_forces(physics, still, state, scratch);
   add_perturbers(physics, 0.0, state, scratch.perturbers);
 }
 
@@ -323,13 +334,13 @@ void step(const Physics& physics, State& state, Scratch& scratch) {
     ScopedTimer timer(time_of(scratch, Phase::contacts));
     compute_motions(bodies, scratch.spin_mid, dt, scratch.motions, state.box.rate);
   }
-  {
+  if (physics.gravity != GravityMethod::none && state.clock.step == state.gravity.due) {
     ScopedTimer timer(time_of(scratch, Phase::gravity));
-    begin_wrenches(physics, state, scratch);
+    renew_gravity(physics, state, scratch);
   }
   {
     ScopedTimer timer(time_of(scratch, Phase::contacts));
-    evaluate_contacts(physics, physics.contacts, state, scratch);
+    evaluate_forces(physics, physics.contacts, state, scratch);
   }
   if (!physics.perturbers.empty()) {
     ScopedTimer timer(time_of(scratch, Phase::gravity));

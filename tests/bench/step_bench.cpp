@@ -96,19 +96,14 @@ void whole_step(benchmark::State& run, const std::string& pile, const std::strin
 }
 
 /// The pull of one perturber on the packing.
-void perturber(benchmark::State& run, const char* shape, double spacing, int side) {
-  Packing packing(shape, spacing, side);
+void perturber(benchmark::State& run, const std::string& pile) {
+  Packing packing(pile, "whole");
   packing.physics.perturbers = {{"Earth", 4e14, 0.0, true, Vec3(2e7, 1e7, 0.0)}};
   for (auto _ : run) add_perturbers(packing.physics, 1.0, packing.state, packing.scratch.perturbers);
   run.counters["M_spheres/s"] =
       benchmark::Counter(1e-6 * static_cast<double>(packing.state.bodies.spheres.size()),
                          benchmark::Counter::kIsIterationInvariantRate);
 }
-
-BENCHMARK_CAPTURE(perturber, spheres_40000, "sphere", 1.9995, 34)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-BENCHMARK_CAPTURE(perturber, cubes_5000, "cube", 3.73155, 17)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace
 }  // namespace cairn
@@ -124,12 +119,16 @@ int main(int argc, char** argv) {
   for (const auto& entry : std::filesystem::directory_iterator(argv[1]))
     if (entry.path().extension() == ".h5") piles.push_back(std::filesystem::absolute(entry.path()));
   std::sort(piles.begin(), piles.end());
-  for (const auto& pile : piles)
+  for (const auto& pile : piles) {
+    const std::string name = pile.stem().string() + "/";
     for (const auto& [material, text] : cairn::kMaterials)
-      benchmark::RegisterBenchmark((pile.stem().string() + "/" + material).c_str(), cairn::whole_step,
-                                   pile.string(), material)
+      benchmark::RegisterBenchmark((name + material).c_str(), cairn::whole_step, pile.string(), material)
           ->Unit(benchmark::kMillisecond)
           ->UseRealTime();
+    benchmark::RegisterBenchmark((name + "perturber").c_str(), cairn::perturber, pile.string())
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime();
+  }
   benchmark::RunSpecifiedBenchmarks();
   return 0;
 }

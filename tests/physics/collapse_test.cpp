@@ -163,6 +163,8 @@ Experiment settled_pile(int count) {
 
 TEST(SmoothPile, ObeysTheVirialAndItsHydrostaticProfile) {
   Experiment e = settled_pile(200);
+  e.state.contacts.keep_wrenches = true;
+  e.advance(1);
   const Bodies& bodies = e.state.bodies;
   const double gravity = gravitational_energy(e.physics, e.state, e.scratch);
   const SpinState whole = spin_state(bodies, all_bodies(bodies));

@@ -1,6 +1,7 @@
 // A loaded contact that is carried through a rigid rotation stays as it is.
 #include <gtest/gtest.h>
 
+#include "contact/gather.h"
 #include "motion/drift.h"
 #include "physics/report.h"
 #include "physics/scenes.h"
@@ -71,7 +72,6 @@ Drift carry(bool aggregates, const Vec3& axis, std::uint64_t steps) {
     place_spheres(bodies);
     compute_motions(bodies, spin_mid, dt, e.scratch.motions);
     sweep(bodies, e.scratch.motions, e.physics.contacts, e.state.contacts);
-    for (std::size_t b = 0; b < 2; ++b) bodies.force[b].setZero();
     gather_wrenches(e.state.contacts, bodies);
     if (k % (steps / 20) != 0) continue;
     const Load here = load(e, next);

@@ -7,6 +7,7 @@
 
 #include "body/cells.h"
 #include "contact/candidates.h"
+#include "contact/gather.h"
 #include "contact/sweep.h"
 #include "core/error.h"
 #include "core/random.h"

@@ -36,16 +36,26 @@ TEST(ContactList, RebuildKeepsTheHistoriesOfTouchingPairs) {
   EXPECT_EQ(list.records().size(), 1u);
 }
 
-TEST(ContactList, KnowsTheSlotsOfBothPartners) {
+TEST(ContactList, KnowsWhereTheWrenchesOfBothPartnersAreSummed) {
+  constexpr std::uint32_t kBlock = ContactList::kBlock;
   ContactList list;
-  std::vector<Pair> pairs{{0, 2}, {0, 3}, {1, 2}, {2, 3}};
-  list.rebuild(pairs, 4, kNormal);
+  std::vector<Pair> pairs{{0, 2}, {0, kBlock}, {1, 2}, {2, kBlock}, {2, kBlock + 1}, {kBlock, kBlock + 1}};
+  list.rebuild(pairs, kBlock + 2, kNormal);
   EXPECT_EQ(list.begin(0), 0u);
   EXPECT_EQ(list.begin(1), 2u);
-  EXPECT_EQ(list.begin(4), 4u);
-  const std::vector<std::uint32_t> of_2(list.second.begin() + list.second_begin[2],
-                                        list.second.begin() + list.second_begin[3]);
-  EXPECT_EQ(of_2, (std::vector<std::uint32_t>{0, 2}));
+  EXPECT_EQ(list.begin(kBlock + 2), 6u);
+  EXPECT_EQ(list.share_of(2), 2u);
+  EXPECT_EQ(list.share_of(kBlock + 1), kBlock + 3 + 1);  // three pairs leave the first block
+  EXPECT_EQ(list.share_of_j,
+            (std::vector<std::uint32_t>{2, kBlock, 2, kBlock + 1, kBlock + 2, kBlock + 3 + 1}));
+  EXPECT_EQ(list.shares.size(), kBlock + 3 + 2);
+  const auto earlier = [&](std::uint32_t s) {
+    return std::vector<std::uint32_t>(list.earlier.begin() + list.earlier_begin[s],
+                                      list.earlier.begin() + list.earlier_begin[s + 1]);
+  };
+  EXPECT_EQ(earlier(2), (std::vector<std::uint32_t>{}));
+  EXPECT_EQ(earlier(kBlock), (std::vector<std::uint32_t>{kBlock, kBlock + 1}));
+  EXPECT_EQ(earlier(kBlock + 1), (std::vector<std::uint32_t>{kBlock + 2}));
 }
 
 /// A ball of aggregates that turns about z and moves on as one body.

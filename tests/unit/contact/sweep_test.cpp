@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "contact/candidates.h"
+#include "contact/gather.h"
 #include "core/random.h"
 #include "core/vector.h"
 #include "shape/library.h"
@@ -184,6 +185,7 @@ void expect_pair_by_pair(std::size_t materials, bool sphere_damping) {
   ASSERT_GT(old, 20);
   ASSERT_NE((fresh + old) % 8, 0);  // the last batch is not full
 
+  heap.contacts.keep_wrenches = true;
   const SweepReport report = sweep(bodies, heap.motions, heap.settings, heap.contacts);
   EXPECT_NEAR(report.dissipated, dissipated, 1e-11 * std::abs(dissipated));
   EXPECT_NEAR(report.overlap_ratio, deepest, 1e-13);
@@ -203,8 +205,6 @@ void expect_pair_by_pair(std::size_t materials, bool sphere_damping) {
     expect_near(vector(memory.roll), vector(expected.roll), 1e-2);
     EXPECT_NEAR(memory.twist, expected.twist, 1e-13);
   }
-  std::fill(bodies.force.begin(), bodies.force.end(), Vec3::Zero());
-  std::fill(bodies.torque.begin(), bodies.torque.end(), Vec3::Zero());
   gather_wrenches(heap.contacts, bodies);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     expect_near(bodies.force[b], force[b], 10.0 * strongest);
@@ -243,7 +243,7 @@ TEST(Sweep, SpringsOfAPairThatPartsAreLostAndCounted) {
   place_spheres(bodies);
   std::vector<SphereMotion> motions;
   compute_motions(bodies, std::vector<Vec3>(bodies.size(), Vec3::Zero()), settings.dt, motions);
-  contacts.wrench[0].force[0] = 5.0;
+  contacts.shares[0] = WrenchShare(5.0);
   EXPECT_NEAR(sweep(bodies, motions, settings, contacts).dissipated, springs, 1e-12 * springs);
   EXPECT_EQ(stored_energy(bodies, settings, contacts), 0.0);
   gather_wrenches(contacts, bodies);

@@ -14,7 +14,13 @@ Wrenches balanced(const Cloud& groups, const Wrenches& w) {
   const auto at = [&](std::size_t g, std::size_t count) -> PackWrench {
     return {load(&w.force[g], count), load(&w.torque[g], count)};
   };
-  set_balanced(groups.x, groups.mass, at, out.force, out.torque);
+  const Balance balance(groups.x, groups.mass, at);
+  for (std::size_t g = 0; g < groups.size(); g += kLanes) {
+    const std::size_t count = groups.size() - g;
+    const PackWrench b = balance(load(&groups.x[g], count), load_masses(groups.mass, g, count), at(g, count));
+    store(&out.force[g], b.force, count);
+    store(&out.torque[g], b.torque, count);
+  }
   return out;
 }
 

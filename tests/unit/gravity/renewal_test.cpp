@@ -28,7 +28,9 @@ Net net_of(const Cloud& centres, const Wrenches& w) {
 
 Wrenches at(const HeldGravity& held, double time, const Cloud& centres) {
   Wrenches w{std::vector<Vec3>(centres.size()), std::vector<Vec3>(centres.size())};
-  extrapolate(held, time, centres.x, centres.mass, w.force, w.torque);
+  const SelfGravity gravity(held, time, centres.x, centres.mass);
+  for (std::size_t g = 0; g < centres.size(); g += kLanes)
+    gravity.get(g, centres.size() - g, &w.force[g], &w.torque[g]);
   return w;
 }
 
