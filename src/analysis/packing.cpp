@@ -80,24 +80,26 @@ Packing interior_packing(const Bodies& bodies, std::span<const std::uint32_t> se
     out.bodies += interior[k];
   }
   if (out.bodies == 0) {
-    out.mean = out.mean_radical = out.total_radical = std::numeric_limits<double>::quiet_NaN();
+    out.total = out.total_radical = out.mean = out.mean_radical = std::numeric_limits<double>::quiet_NaN();
     return out;
   }
   const Cluster cluster = gather(bodies, set, centre);
   const std::vector<double> plain = cell_volumes<voro::container>(cluster, interior),
                             radical = cell_volumes<voro::container_poly>(cluster, interior);
-  double solid = 0.0, cells = 0.0;
+  double solid = 0.0, plain_cells = 0.0, radical_cells = 0.0;
   for (std::size_t k = 0; k < set.size(); ++k) {
     if (!interior[k]) continue;
     const double volume = bodies.volume[set[k]];
     out.mean += volume / plain[k];
     out.mean_radical += volume / radical[k];
     solid += volume;
-    cells += radical[k];
+    plain_cells += plain[k];
+    radical_cells += radical[k];
   }
   out.mean /= static_cast<double>(out.bodies);
   out.mean_radical /= static_cast<double>(out.bodies);
-  out.total_radical = solid / cells;
+  out.total = solid / plain_cells;
+  out.total_radical = solid / radical_cells;
   return out;
 }
 

@@ -73,6 +73,7 @@ void check(const Options& options) {
     if (first)
       for (const std::string& w : warnings(physics, setup.bodies, walls)) fmt::print("  warning    {}\n", w);
   }
+  if (steps == 0.0) return;                   // operations only
   constexpr double bytes_per_sphere = 900.0;  // spheres, bodies, and six contacts with their histories
   fmt::print(
       "memory about {:.0f} MB; about {:.3g} min at the speed of the first steps ({:.2f} M sphere-steps/s on "

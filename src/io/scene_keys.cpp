@@ -300,7 +300,8 @@ const Keys<StageSpec> kStageKeys = {
     vector("field", &StageSpec::field, "m/s^2", magnitude(1e12), "replaces gravity.field"),
     number(
         "quiet_energy", &StageSpec::quiet_energy, "", above(0, 1),
-        "the stage ends when the kinetic energy, without that of rigid motion, over the size of the "
+        "the stage ends when the kinetic energy, without walls less that of rigid motion, over the size of "
+        "the "
         "gravitational energy is below this; checked with each row of the series, after a tenth of duration"),
     number("quiet_speed", &StageSpec::quiet_speed, "m/s", above(0, 1e6),
            "the same for the rms speed that belongs to that energy"),

@@ -16,22 +16,18 @@ double box_distance(const Vec3& half, const Vec3& x) {
 
 double ellipsoid_distance(const Vec3& semi_axes, const Vec3& x) {
   const Vec3 e2 = semi_axes.cwiseAbs2();
-  // The foot is e^2 x / (t + e^2) for the root t of F; components of x that vanish are nudged off the planes
-  // of symmetry, where the foot would not be unique.
-  const double least = semi_axes.minCoeff(), nudge = 1e-12 * least;
-  const Vec3 y = x.cwiseAbs().cwiseMax(nudge);
-  const auto excess = [&](double t) {
-    return semi_axes.cwiseProduct(y).cwiseQuotient((e2.array() + t).matrix()).squaredNorm() - 1.0;
-  };
-  const double lowest = -e2.minCoeff();
-  double low = lowest, high = semi_axes.cwiseProduct(y).norm() + e2.maxCoeff();
-  for (int k = 0; k < 200; ++k) {
-    const double t = 0.5 * (low + high);
-    if (t <= low || t >= high) break;
-    (excess(t) > 0.0 ? low : high) = t;
+  // The foot is e^2 x / (e^2 + t) for the largest root t of F(t) = |e x / (e^2 + t)|^2 - 1; here s = t + min
+  // e^2. Components of x that vanish are nudged off the planes of symmetry, where the foot is not unique.
+  const Vec3 above = e2.array() - e2.minCoeff();
+  const Vec3 y = x.cwiseAbs().cwiseMax(1e-14 * semi_axes.minCoeff());
+  const Vec3 ey = semi_axes.cwiseProduct(y);
+  double low = 0.0, high = ey.norm() + e2.maxCoeff();
+  for (int k = 0; k < 2000; ++k) {
+    const double s = 0.5 * (low + high);
+    if (s <= low || s >= high) break;
+    (ey.cwiseQuotient((above.array() + s).matrix()).squaredNorm() > 1.0 ? low : high) = s;
   }
-  const double t = 0.5 * (low + high);
-  const Vec3 foot = e2.cwiseProduct(y).cwiseQuotient((e2.array() + t).matrix());
+  const Vec3 foot = e2.cwiseProduct(y).cwiseQuotient((above.array() + high).matrix());
   const bool inside = y.cwiseQuotient(semi_axes).squaredNorm() < 1.0;
   return inside ? -(foot - y).norm() : (foot - y).norm();
 }

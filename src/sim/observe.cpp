@@ -35,7 +35,7 @@ constexpr Column kColumns[] = {
     {&O::kinetic, "kinetic_energy", "J", "of the bodies' mass centres"},
     {&O::rotational, "rotational_energy", "J", "of the bodies about their mass centres"},
     {&O::agitation, "agitation", "J",
-     "kinetic and rotational energy less that of the rigid motion with the same momenta"},
+     "kinetic and rotational energy less, without walls, that of the rigid motion with the same momenta"},
     {&O::gravitational, "gravitational_energy", "J", "between spheres of different bodies"},
     {&O::field, "field_energy", "J", "in the uniform field, 0 at the origin"},
     {&O::elastic, "elastic_energy", "J", "in the springs of the contacts, less the work of cohesion"},
@@ -108,8 +108,10 @@ void observe_remnant(State& state, double link_gap, Observation& o) {
   o.fragments = static_cast<double>(fragments.size());
 }
 
-/// Energy (J) of the rigid motion that has the bodies' momentum and angular momentum; images cannot turn.
+/// Energy (J) of the rigid motion that has the bodies' momentum and angular momentum; images cannot turn, and
+/// between walls no motion counts as rigid.
 double rigid_energy(const State& state) {
+  if (!state.walls.empty()) return 0.0;
   const SpinState whole = spin_state(state.bodies, all_bodies(state.bodies));
   const double moving = 0.5 * whole.mass * whole.velocity.squaredNorm();
   return state.box.periodic() ? moving : moving + 0.5 * rotation_rate(whole).dot(whole.angular_momentum);

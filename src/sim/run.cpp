@@ -177,6 +177,10 @@ std::string Run::operate() {
   write_bodies(fmt::format("_{}", epoch_));
   std::string what = operation_(scene_, state_.clock.stage, state_, inherited_);
   ++epoch_;
+  state_.contacts = ContactList{};
+  const PhaseTimes times = scratch_.times;
+  scratch_ = Scratch();
+  scratch_.times = times;
   state_.remnant.assign(state_.bodies.size(), 1);
   state_.ledger.rebase = true;
   prepare_bodies();
@@ -198,9 +202,9 @@ StageReport Run::end_stage(std::string what, double seconds) {
 
 bool Run::quiet() const {
   if (state_.clock.stage_time() < 0.1 * physics_.duration) return false;
-  const double limit = physics_.quiet_energy.value_or(0.0) * std::abs(last_.gravitational);
-  const double mass = physics_.body_mass, speed = physics_.quiet_speed.value_or(0.0);
-  return last_.agitation < limit || last_.agitation < 0.5 * mass * speed * speed;
+  const auto& [energy, speed] = std::pair(physics_.quiet_energy, physics_.quiet_speed);
+  return (energy && last_.agitation < *energy * std::abs(last_.gravitational)) ||
+         (speed && last_.agitation < 0.5 * physics_.body_mass * *speed * *speed);
 }
 
 void Run::start_stage() {
@@ -241,6 +245,11 @@ void Run::add_snapshot() {
     if (state_.contacts.touching(slot)) {
       ++touching[state_.contacts.pair(slot).i];
       ++touching[state_.contacts.pair(slot).j];
+    }
+  if (state_.clock.steps == 0)  // after an operation
+    for (const ContactRecord& c : inherited_) {
+      ++touching[c.i];
+      ++touching[c.j];
     }
   FieldTable table = motion_fields(state_.bodies);
   table.front() = {"position", "m", "centre of mass, from origin", &display.bodies, "body"};

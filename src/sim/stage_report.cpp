@@ -33,9 +33,9 @@ constexpr Column kColumns[] = {
     {&R::eta_bulk, "eta_bulk", "", "volume of the bodies over that volume"},
     {&R::interior, "interior", "m", "radius within which packing is measured"},
     {&R::interior_bodies, "interior_bodies", "", "bodies of the largest group within it"},
-    {&R::eta_inter, "eta_inter", "", "mean of volume over plain Voronoi cells, of bodies within it"},
+    {&R::eta_inter, "eta_inter", "", "volume of bodies within it over that of their plain Voronoi cells"},
     {&R::eta_radical, "eta_radical", "", "the same with radical cells"},
-    {&R::eta_total, "eta_total", "", "their volumes over their radical cells, summed"},
+    {&R::eta_mean, "eta_mean", "", "mean of volume over plain cells of these bodies"},
     {&R::coordination, "coordination", "", "2 x sphere contacts / spheres"},
     {&R::body_contacts, "body_contacts", "", "2 x sphere contacts / bodies"},
     {&R::body_neighbours, "body_neighbours", "", "2 x touching pairs of bodies / bodies"},
@@ -79,11 +79,12 @@ StageReport measure(const State& state, double link_gap, double interior) {
 
   r.interior = interior > 0.0 ? interior : 0.375 * axis_lengths(bodies, largest).c;
   const bool told = largest.size() >= kFewest && !state.box.periodic();
-  const Packing packing = told ? interior_packing(bodies, largest, r.interior) : Packing{0, none, none, none};
+  const Packing packing =
+      told ? interior_packing(bodies, largest, r.interior) : Packing{0, none, none, none, none};
   r.interior_bodies = static_cast<double>(packing.bodies);
-  r.eta_inter = packing.mean;
-  r.eta_radical = packing.mean_radical;
-  r.eta_total = packing.total_radical;
+  r.eta_inter = packing.total;
+  r.eta_radical = packing.total_radical;
+  r.eta_mean = packing.mean;
 
   const Coordination touching = coordination(bodies, state.box);
   r.coordination = touching.per_sphere;
@@ -117,9 +118,10 @@ std::string describe(const StageReport& r) {
   if (std::isfinite(r.bulk_density))
     text += fmt::format("; {:.1f} kg/m^3, packing {:.4f} of the region", r.bulk_density, r.eta_bulk);
   if (std::isfinite(r.eta_inter))
-    text +=
-        fmt::format("\n  interior   packing {:.4f} of {:.0f} bodies within {:.4g} m (radical {:.4f}, {:.4f})",
-                    r.eta_inter, r.interior_bodies, r.interior, r.eta_radical, r.eta_total);
+    text += fmt::format(
+        "\n  interior   packing {:.4f} of {:.0f} bodies within {:.4g} m (radical cells {:.4f}, mean of "
+        "bodies {:.4f})",
+        r.eta_inter, r.interior_bodies, r.interior, r.eta_radical, r.eta_mean);
   text += fmt::format(
       "\n  contacts   {:.3f} per sphere, {:.3f} per body with {:.3f} neighbours; {:.0f} bodies without, "
       "{:.0f} "

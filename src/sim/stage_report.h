@@ -20,9 +20,9 @@ struct StageReport {
   double eta_bulk = 0.0;      ///< volume of the bodies over that volume
   double interior = 0.0;      ///< m, radius within which eta_inter is measured
   double interior_bodies = 0.0;
-  double eta_inter = 0.0;     ///< see Packing: mean, plain cells
-  double eta_radical = 0.0;   ///< mean, radical cells
-  double eta_total = 0.0;     ///< total, radical cells
+  double eta_inter = 0.0;     ///< see Packing: total, plain cells
+  double eta_radical = 0.0;   ///< total, radical cells
+  double eta_mean = 0.0;      ///< mean, plain cells
   double coordination = 0.0;  ///< see Coordination
   double body_contacts = 0.0;
   double body_neighbours = 0.0;
