@@ -6,6 +6,7 @@
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "pile/assemble.h"
+#include "pile/operate.h"
 #include "sim/make_perturbers.h"
 #include "sim/make_walls.h"
 #include "sim/run.h"
@@ -44,7 +45,7 @@ void check(const Options& options) {
   Scene scene = load_scene(options.scene);
   load_tracks(scene);
   const Setup setup = assemble(scene);
-  const std::vector<Wall> walls = make_walls(scene);
+  const std::vector<Wall> all_walls = make_walls(scene);
   const std::size_t bodies = setup.bodies.size(), spheres = setup.bodies.spheres.size();
   use_threads_for(spheres);
   double mass = 0.0;
@@ -53,9 +54,15 @@ void check(const Options& options) {
              options.scene.string(), scene.title, bodies, spheres, mass, escape_speed(setup.bodies));
   double steps = 0.0, cost = 0.0;
   for (std::size_t k = 0; k < scene.stages.size(); ++k) {
+    if (scene.stages[k].operates()) {
+      fmt::print("stage {} '{}'\n  operation  {}\n", k, scene.stages[k].name, describe_operation(scene, k));
+      continue;
+    }
+    const std::vector<Wall> walls = walls_of_stage(scene, k, all_walls);
     const Physics physics =
         resolve_physics(scene, k, setup.bodies, resolve_stiffness(scene, k, setup.bodies, walls));
-    if (k == 0) cost = time_step_cost(walls, setup, physics);
+    const bool first = cost == 0.0;
+    if (first) cost = time_step_cost(walls, setup, physics);
     steps += static_cast<double>(physics.steps);
     fmt::print(
         "stage {} '{}'\n  models     {}\n  stiffness  {:.4g} N/m; shortest contact {:.4g} s\n"
@@ -63,9 +70,10 @@ void check(const Options& options) {
         k, scene.stages[k].name, describe_models(physics, setup.bodies, !walls.empty(), setup.box.periodic()),
         physics.k_n, physics.contact_time, physics.contacts.dt, kLongestSafeStep * physics.contact_time,
         physics.steps, scene.stages[k].duration);
-    if (k == 0)
+    if (first)
       for (const std::string& w : warnings(physics, setup.bodies, walls)) fmt::print("  warning    {}\n", w);
   }
+  if (steps == 0.0) return;                   // operations only
   constexpr double bytes_per_sphere = 900.0;  // spheres, bodies, and six contacts with their histories
   fmt::print(
       "memory about {:.0f} MB; about {:.3g} min at the speed of the first steps ({:.2f} M sphere-steps/s on "

@@ -39,18 +39,17 @@ struct Coloring {
 };
 
 /// Quantity shown for a sphere: speed of its body against the pile (m/s), or its number of contacts.
-double quantity(const ResultView& view, const SnapshotView& snapshot, const Vec3& drift, ColorBy by,
-                std::size_t s) {
+double quantity(const SnapshotView& snapshot, const Vec3& drift, ColorBy by, std::size_t s) {
   if (by == ColorBy::contacts) return snapshot.contacts[s];
-  return (snapshot.velocity[view.bodies().spheres.body[s]] - drift).norm();
+  return (snapshot.velocity[snapshot.bodies->spheres.body[s]] - drift).norm();
 }
 
-Vec3 mean_velocity(const ResultView& view, const SnapshotView& snapshot) {
+Vec3 mean_velocity(const SnapshotView& snapshot) {
   Vec3 momentum = Vec3::Zero();
   double mass = 0.0;
-  for (std::size_t b = 0; b < view.bodies().size(); ++b) {
-    momentum += view.bodies().mass[b] * snapshot.velocity[b];
-    mass += view.bodies().mass[b];
+  for (std::size_t b = 0; b < snapshot.bodies->size(); ++b) {
+    momentum += snapshot.bodies->mass[b] * snapshot.velocity[b];
+    mass += snapshot.bodies->mass[b];
   }
   return momentum / mass;
 }
@@ -62,14 +61,14 @@ ColorBy color_by(const std::string& name) {
                            : ColorBy::contacts;
 }
 
-Coloring coloring(const ResultView& view, const std::vector<SnapshotView>& snapshots, ColorBy by) {
+Coloring coloring(const std::vector<SnapshotView>& snapshots, ColorBy by) {
   Coloring out{by};
   if (by == ColorBy::shape || by == ColorBy::body) return out;
   std::vector<double> values;
   for (const SnapshotView& snapshot : snapshots) {
-    const Vec3 drift = mean_velocity(view, snapshot);
+    const Vec3 drift = mean_velocity(snapshot);
     for (std::size_t s = 0; s < snapshot.positions.size(); ++s)
-      values.push_back(quantity(view, snapshot, drift, by, s));
+      values.push_back(quantity(snapshot, drift, by, s));
   }
   // The fastest hundredth would take all the colours.
   const std::size_t rank = values.size() * 99 / 100;
@@ -85,9 +84,9 @@ Vec3 grain_color(std::uint32_t shape, std::uint32_t body) {
   return shade > 0.0 ? Vec3(color + shade * (Vec3::Ones() - color)) : Vec3((1.0 + shade) * color);
 }
 
-std::vector<Ball> balls_of(const ResultView& view, const SnapshotView& snapshot, const Coloring& coloring) {
-  const Bodies& bodies = view.bodies();
-  const Vec3 drift = mean_velocity(view, snapshot);
+std::vector<Ball> balls_of(const SnapshotView& snapshot, const Coloring& coloring) {
+  const Bodies& bodies = *snapshot.bodies;
+  const Vec3 drift = mean_velocity(snapshot);
   std::vector<Ball> balls(bodies.spheres.size());
   for (std::size_t s = 0; s < balls.size(); ++s) {
     const std::uint32_t b = bodies.spheres.body[s];
@@ -100,7 +99,7 @@ std::vector<Ball> balls_of(const ResultView& view, const SnapshotView& snapshot,
         color = render::id_color(b);
         break;
       default:
-        color = render::scalar_color(quantity(view, snapshot, drift, coloring.by, s) / coloring.high);
+        color = render::scalar_color(quantity(snapshot, drift, coloring.by, s) / coloring.high);
     }
     balls[s] = {snapshot.positions[s].cast<double>(), bodies.spheres.radius[s], color, b};
   }
@@ -138,14 +137,14 @@ std::vector<SnapshotView> selected(const ResultView& view, const std::vector<std
 }
 
 /// The cameras of one file's pictures: each about its own pile, all with one region, so that sizes compare.
-std::vector<render::View> cameras(const Options& options, const ResultView& view,
-                                  const std::vector<SnapshotView>& snapshots, const Coloring& colors) {
+std::vector<render::View> cameras(const Options& options, const std::vector<SnapshotView>& snapshots,
+                                  const Coloring& colors) {
   render::View from;
   from.direction = {options.direction[0], options.direction[1], options.direction[2]};
   std::vector<render::View> out;
   double width = 0.0, height = 0.0;
   for (const SnapshotView& s : snapshots) {
-    out.push_back(render::frame(balls_of(view, s, colors), from, {.fraction = 0.97, .margin = 0.12}));
+    out.push_back(render::frame(balls_of(s, colors), from, {.fraction = 0.97, .margin = 0.12}));
     width = std::max(width, out.back().width);
     height = std::max(height, out.back().height);
   }
@@ -160,10 +159,10 @@ std::vector<render::View> cameras(const Options& options, const ResultView& view
 template <class Take>
 void draw_snapshots(const Options& options, const ResultView& view,
                     const std::vector<SnapshotView>& snapshots, const render::Style& style, Take&& take) {
-  const Coloring colors = coloring(view, snapshots, color_by(options.color));
-  const std::vector<render::View> views = cameras(options, view, snapshots, colors);
+  const Coloring colors = coloring(snapshots, color_by(options.color));
+  const std::vector<render::View> views = cameras(options, snapshots, colors);
   for (std::size_t k = 0; k < snapshots.size(); ++k)
-    take(render::draw(balls_of(view, snapshots[k], colors), views[k], annotation(view, snapshots[k], colors),
+    take(render::draw(balls_of(snapshots[k], colors), views[k], annotation(view, snapshots[k], colors),
                       options.width, options.height, style));
 }
 

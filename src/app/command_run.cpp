@@ -9,6 +9,7 @@
 #include "app/summary.h"
 #include "core/error.h"
 #include "pile/assemble.h"
+#include "pile/operate.h"
 #include "sim/run.h"
 
 namespace cairn {
@@ -35,7 +36,7 @@ void start(const Options& options) {
   ResultFile results = ResultFile::create(output, attributes.table(), options.force);
   Run run = naming(options.scene.string(), [&] {
     Setup setup = assemble(scene);
-    return Run(std::move(scene), std::move(setup), std::move(results));
+    return Run(std::move(scene), std::move(setup), std::move(results), operate);
   });
   for (const std::string& w : run.warnings()) spdlog::warn("{}", w);
   run_to_end(run);
@@ -43,7 +44,7 @@ void start(const Options& options) {
 }
 
 void resume(const Options& options) {
-  Run run = Run::resume(options.output);
+  Run run = Run::resume(options.output, operate);
   run_to_end(run);
   print_summary({options.output});
 }

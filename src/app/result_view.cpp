@@ -33,10 +33,23 @@ SnapshotView ResultView::snapshot(std::size_t k) const {
                           {"sphere_contacts", "", "", &s.contacts, "sphere"},
                           {"period", "", "", &s.period},
                           {"failed", "", "", &s.failed}});
-  if (s.velocity.size() != bodies().size() || s.remnant.size() != bodies().size() ||
-      s.positions.size() != bodies().spheres.size() || s.contacts.size() != bodies().spheres.size())
+  s.bodies = bodies_of(file_.snapshots()[k].epoch);
+  const std::size_t spheres = s.bodies->spheres.size();
+  if (s.velocity.size() != s.bodies->size() || s.remnant.size() != s.bodies->size() ||
+      s.positions.size() != spheres || s.contacts.size() != spheres)
     throw InputError("{}: snapshot {} has other bodies than the file", file_.path().string(), k);
   return s;
+}
+
+std::shared_ptr<const Bodies> ResultView::bodies_of(std::uint64_t epoch) const {
+  std::shared_ptr<const Bodies>& known = former_[epoch];
+  if (!known) {
+    auto bodies = std::make_shared<Bodies>();
+    std::vector<std::string> shapes;
+    read_constants(file_, *bodies, shapes, epoch);
+    known = std::move(bodies);
+  }
+  return known;
 }
 
 double ResultView::control_start() const {

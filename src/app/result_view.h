@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,10 +17,11 @@ struct SnapshotView {
   double time = 0.0, period = 0.0;  ///< s
   std::string stage;
   bool failed = false;
-  std::vector<Vec3f> positions;         ///< m, of spheres
-  std::vector<std::uint16_t> contacts;  ///< of spheres
-  std::vector<std::uint8_t> remnant;    ///< of bodies
-  std::vector<Vec3> velocity;           ///< m/s, of bodies
+  std::vector<Vec3f> positions;          ///< m, of spheres
+  std::vector<std::uint16_t> contacts;   ///< of spheres
+  std::vector<std::uint8_t> remnant;     ///< of bodies
+  std::vector<Vec3> velocity;            ///< m/s, of bodies
+  std::shared_ptr<const Bodies> bodies;  ///< constants of the bodies at that time
 };
 
 /// @throws InputError from every member when the file is damaged or not a result file.
@@ -42,7 +45,10 @@ class ResultView {
   std::vector<std::size_t> select(const std::string& which) const;
 
  private:
+  std::shared_ptr<const Bodies> bodies_of(std::uint64_t epoch) const;
+
   ResultFile file_;
+  mutable std::map<std::uint64_t, std::shared_ptr<const Bodies>> former_;  // constants by epoch
   State state_;
   std::vector<std::string> shapes_;
   std::string title_;

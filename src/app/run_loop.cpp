@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <optional>
 
 #include "app/summary.h"
 #include "core/parallel.h"
@@ -54,7 +55,6 @@ class ProgressBar {
     const Clock& clock = run.state().clock;
     const double now = wall_seconds();
     if (clock.stage != stage_) {
-      if (stage_ != kNone) newline();
       stage_ = clock.stage;
       if (const double error = run.state().gravity.error; error > 0.0)
         spdlog::info("stage '{}': the tree's field has an error of {:.1e}", run.scene().stages[stage_].name,
@@ -103,16 +103,27 @@ void run_to_end(Run& run) {
   ProgressBar bar;
   const double start = wall_seconds();
   const std::uint64_t first = run.state().clock.total_steps;
-  const RunEnd end = run.advance([&](const Run& r) {
-    bar.show(r);
-    return g_signal == 0;
-  });
-  bar.newline();
+  std::optional<StageReport> made;
+  const RunEnd end = run.advance(
+      [&](const Run& r) {
+        bar.show(r);
+        return g_signal == 0;
+      },
+      [&](const StageReport& report) {
+        bar.newline();
+        fmt::print("{}", describe(report));
+        std::fflush(stdout);
+        made = report;
+      });
+  if (end == RunEnd::interrupted) bar.newline();
   if (end == RunEnd::interrupted) {
     fmt::print(stderr, "stopped at t = {:.6g} s; continue with: cairn resume {}\n", run.state().clock.time(),
                run.path().string());
     throw Interrupted{};
   }
+  if (made)
+    for (const std::string& defect : defects(*made, run.scene().contact.overlap_limit))
+      spdlog::warn("{}", defect);
   print_phase_times(run, wall_seconds() - start, run.state().clock.total_steps - first);
 }
 

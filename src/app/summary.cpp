@@ -62,7 +62,9 @@ const std::vector<Row>& rows() {
                                               : std::string("-");
        }},
       {"b/a, c/a at the end",
-       [](auto& v) { return fmt::format("{:.3f}, {:.3f}", last(v, "b_over_a"), last(v, "c_over_a")); }},
+       [](auto& v) {
+         return text("{:.3f}", last(v, "b_over_a")) + ", " + text("{:.3f}", last(v, "c_over_a"));
+       }},
       {"period at the end", [](auto& v) { return period_text(last(v, "period")); }},
       {"coordination before spin-up",
        [](auto& v) { return text("{:.2f}", value_at(v, "coordination", v.control_start())); }},
@@ -82,6 +84,7 @@ const std::vector<Row>& rows() {
 }  // namespace
 
 std::string duration_text(double seconds) {
+  if (!std::isfinite(seconds)) return "-";
   const double size = std::abs(seconds);
   if (size < 300.0) return fmt::format("{:.4g} s", seconds);
   if (size < 3600.0) return fmt::format("{:.1f} min", seconds / 60.0);

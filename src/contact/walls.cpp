@@ -332,6 +332,13 @@ double Walls::stored_energy(const Bodies& bodies, const SweepSettings& settings,
   return energy;
 }
 
+std::vector<WallContact> Walls::numbered_contacts() const {
+  std::vector<WallContact> out = contacts;
+  if (!number.empty())
+    for (WallContact& c : out) c.wall = number[c.wall];
+  return out;
+}
+
 void Walls::check_contacts(std::size_t spheres) const {
   for (const WallContact& c : contacts)
     if (c.sphere >= spheres || c.wall >= walls.size() || c.feature >= walls[c.wall].features())

@@ -32,9 +32,12 @@ struct WallReport {
 class Walls {
  public:
   std::vector<Wall> walls;
-  std::vector<WallContact> contacts;  ///< in the order of sphere, wall, feature
+  std::vector<std::uint32_t> number;  ///< of each in the scene; empty: they are the scene's
+  std::vector<WallContact> contacts;  ///< in the order of sphere, wall, feature; `wall` indexes `walls`
 
   bool empty() const { return walls.empty(); }
+  /// The contacts with their walls' numbers in the scene.
+  std::vector<WallContact> numbered_contacts() const;
   /// Constants of every wall with every body material at normal stiffness k_n (N/m).
   void set_laws(const std::vector<Material>& materials, const std::vector<Material>& wall_materials,
                 double k_n);

@@ -124,6 +124,7 @@ template <std::integral I>
 std::string show(I value) {
   return fmt::format("{}", value);
 }
+std::string show(const std::vector<std::string>& value);
 template <class V>
 std::string show(const std::optional<V>& value) {
   return value ? show(*value) : "-";
@@ -166,9 +167,23 @@ Key<T> text(std::string name, std::string T::*member, Bounds length, std::string
   return make_key(info, member, [=](const Value& value) { return read_text(value, length); });
 }
 
-/// Three numbers, each within `bounds`.
+/// Some texts.
 template <class T>
-Key<T> vector(std::string name, Vec3 T::*member, std::string unit, Bounds bounds, std::string help) {
+Key<T> texts(std::string name, std::vector<std::string> T::*member, Bounds length, std::string help) {
+  KeyInfo info{.name = name, .type = "[string, ...]", .bounds = length.length_text(), .help = help};
+  info.fallback = show(T{}.*member);
+  return make_key(info, member, [=](const Value& array) {
+    std::vector<std::string> found;
+    each_element(array, "an array of strings",
+                 [&](const Value& value) { found.push_back(read_text(value, length)); });
+    return found;
+  });
+}
+
+/// Three numbers, each within `bounds`.
+template <class T, class M>
+requires std::same_as<M, Vec3> || std::same_as<M, std::optional<Vec3>> Key<T> vector(
+    std::string name, M T::*member, std::string unit, Bounds bounds, std::string help) {
   KeyInfo info{.name = name, .type = "3 numbers", .unit = unit, .bounds = bounds.text(), .help = help};
   info.fallback = show(T{}.*member);
   return make_key(info, member, [=](const Value& value) -> Vec3 {
@@ -198,6 +213,16 @@ Key<T> choice(std::string name, E T::*member, std::vector<std::pair<std::string,
     if (meaning == T{}.*member) info.fallback = show(word);
   }
   info.bounds = alternatives(names);
+  return make_key(info, member, [=](const Value& value) { return words[read_choice(value, names)].second; });
+}
+
+/// The same, absent unless given.
+template <class T, class E>
+Key<T> choice(std::string name, std::optional<E> T::*member, std::vector<std::pair<std::string, E>> words,
+              std::string help) {
+  std::vector<std::string> names;
+  for (const auto& word : words) names.push_back(word.first);
+  KeyInfo info{.name = name, .type = "string", .bounds = alternatives(names), .fallback = "-", .help = help};
   return make_key(info, member, [=](const Value& value) { return words[read_choice(value, names)].second; });
 }
 

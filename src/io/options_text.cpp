@@ -80,6 +80,12 @@ std::string show(const std::string& value) {
   return fmt::format("'{}'", value);
 }
 
+std::string show(const std::vector<std::string>& value) {
+  std::string text;
+  for (const std::string& word : value) text += (text.empty() ? "" : ", ") + show(word);
+  return "[" + text + "]";
+}
+
 std::string show(const Vec3& value) {
   return fmt::format("[{}, {}, {}]", show(value.x()), show(value.y()), show(value.z()));
 }

@@ -115,7 +115,8 @@ void ResultFile::read_index() {
     for (std::size_t k = 0; k < count; ++k) {
       const h5::Group group = h5::open_group(file, snapshot_group(k));
       snapshots_.push_back(
-          {read_value<double>(group, "time", limit), read_value<std::string>(group, "stage", limit)});
+          {read_value<double>(group, "time", limit), read_value<std::string>(group, "stage", limit),
+           h5::has_attribute(group, "epoch") ? read_value<std::uint64_t>(group, "epoch", limit) : 0});
     }
     series_stored_ = h5::exists(file, "series");
     if (!series_stored_) return;
@@ -139,9 +140,10 @@ void ResultFile::write_static(const std::string& group, const FieldTable& table)
   new_groups_.push_back({group, encode(table)});
 }
 
-void ResultFile::add_snapshot(double time, const std::string& stage, const FieldTable& table) {
+void ResultFile::add_snapshot(double time, const std::string& stage, const FieldTable& table,
+                              std::uint64_t epoch) {
   require_writable();
-  new_snapshots_.push_back({{time, stage}, encode(table)});
+  new_snapshots_.push_back({{time, stage, epoch}, encode(table)});
 }
 
 void ResultFile::declare_series(const std::vector<SeriesColumn>& columns) {
@@ -248,6 +250,7 @@ void ResultFile::write_lasting(std::int64_t file, const int& error) const {
     const h5::Group group = h5::create_group(file, snapshot_group(snapshots_.size() + k));
     write_value(group, "time", new_snapshots_[k].info.time);
     h5::write_attribute(group, "stage", new_snapshots_[k].info.stage);
+    write_value(group, "epoch", new_snapshots_[k].info.epoch);
     write_fields(group, new_snapshots_[k].fields, error);
   }
 }
@@ -276,6 +279,11 @@ void ResultFile::read_group(const std::string& name, const FieldTable& table) co
 
 void ResultFile::read_static(const std::string& group, const FieldTable& table) const {
   read_group(group, table);
+}
+
+std::string ResultFile::constants(const std::string& group, std::uint64_t epoch) const {
+  const std::string former = fmt::format("{}_{}", group, epoch);
+  return has_group(former) ? former : group;
 }
 
 void ResultFile::read_checkpoint(const FieldTable& table) const {

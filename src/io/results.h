@@ -2,7 +2,8 @@
 //
 //   /                 attributes: format, format_version, finished, outcome, and those given to create()
 //   /<group>          constants: /bodies, /spheres, ...
-//   /snapshots/000000 one group each, attributes time (s) and stage
+//   /<group>_<epoch>  the same of the bodies before a stage changed them, for the snapshots of that epoch
+//   /snapshots/000000 one group each, attributes time (s), stage and epoch
 //   /series           one dataset per column
 //   /checkpoint       the state to continue from
 //
@@ -26,6 +27,7 @@ struct SeriesColumn {
 struct SnapshotInfo {
   double time = 0.0;  ///< s
   std::string stage;
+  std::uint64_t epoch = 0;  ///< how often bodies had been changed or taken away
 };
 
 /// What is added waits in memory until commit(), which writes all of it or nothing; only then can it be read.
@@ -43,7 +45,7 @@ class ResultFile {
 
   /// Adds a group of constants; replaces the one of that name.
   void write_static(const std::string& group, const FieldTable& table);
-  void add_snapshot(double time, const std::string& stage, const FieldTable& table);
+  void add_snapshot(double time, const std::string& stage, const FieldTable& table, std::uint64_t epoch = 0);
   /// Once, before the first row. A file that has columns already must have the same ones.
   void declare_series(const std::vector<SeriesColumn>& columns);
   /// One value per column.
@@ -70,6 +72,8 @@ class ResultFile {
   void read_attributes(const FieldTable& table) const;
   bool has_group(const std::string& group) const;
   void read_static(const std::string& group, const FieldTable& table) const;
+  /// The group of constants that belongs to snapshots of an epoch: `group`, or what it was before.
+  std::string constants(const std::string& group, std::uint64_t epoch) const;
   void read_snapshot(std::size_t k, const FieldTable& table) const;
   bool has_checkpoint() const { return has_group("checkpoint"); }
   void read_checkpoint(const FieldTable& table) const;

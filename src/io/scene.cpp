@@ -1,5 +1,6 @@
 #include "io/scene.h"
 
+#include <algorithm>
 #include <set>
 
 #include "core/suggest.h"
@@ -16,6 +17,8 @@ class Checks {
 
   void run() {
     check_materials();
+    for (std::size_t i = 0; i < scene_.lattices.size(); ++i)
+      check_lattice(scene_.lattices[i], fmt::format("lattice[{}]", i));
     for (std::size_t i = 0; i < scene_.clouds.size(); ++i)
       check_cloud(scene_.clouds[i], fmt::format("cloud[{}]", i));
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i)
@@ -28,8 +31,8 @@ class Checks {
       check_perturber(scene_.perturbers[i], fmt::format("perturber[{}]", i));
     check_stages();
     if (scene_.box) check_box(scene_.box->size);
-    if (scene_.pile.empty() && scene_.clouds.empty() && scene_.bodies.empty())
-      throw error("", "the scene has no bodies; expected 'pile', [[cloud]] or [[body]]");
+    if (scene_.pile.empty() && scene_.lattices.empty() && scene_.clouds.empty() && scene_.bodies.empty())
+      throw error("", "the scene has no bodies; expected 'pile', [[lattice]], [[cloud]] or [[body]]");
   }
 
  private:
@@ -83,6 +86,34 @@ class Checks {
                   show(cloud.size_max));
     if (cloud.distribution != SizeDistribution::power_law && given(key + ".exponent"))
       throw error(key + ".exponent", "has no effect unless the distribution is 'power_law'");
+    for (const char* name : {".median", ".sigma"})
+      if (cloud.distribution == SizeDistribution::log_normal)
+        require(key + name, "the distribution is 'log_normal'");
+      else if (given(key + name))
+        throw error(key + name, "has no effect unless the distribution is 'log_normal'");
+  }
+
+  /// Whether keys of a table belong to its kind.
+  void belongs(const std::string& key, bool fits, const char* kinds) const {
+    if (!fits && given(key)) throw error(key, "has no effect unless the kind is {}", kinds);
+  }
+
+  void check_region(RegionSpec& region, const std::string& key) const {
+    const bool mesh = region.kind == RegionKind::mesh, ball = region.kind == RegionKind::ball;
+    belongs(key + ".radius", ball, "'ball'");
+    belongs(key + ".size", !ball, "'ellipsoid', 'box' or 'mesh'");
+    belongs(key + ".file", mesh, "'mesh'");
+    belongs(key + ".unit", mesh, "'mesh'");
+    if (ball) require(key + ".radius", "the kind is 'ball'");
+    if (mesh) require(key + ".file", "the kind is 'mesh'");
+    if (!ball && !mesh) require(key + ".size", "the kind is 'ellipsoid' or 'box'");
+    region.orientation.coeffs() =
+        direction<Eigen::Vector4d>(region.orientation.coeffs(), key + ".orientation");
+  }
+
+  void check_lattice(LatticeSpec& lattice, const std::string& key) const {
+    complete_material(lattice.material, key);
+    check_region(lattice.region, key + ".region");
   }
 
   void check_body(BodySpec& body, const std::string& key) const {
@@ -94,16 +125,12 @@ class Checks {
     complete_material(wall.material, key);
     const bool plane = wall.kind == WallKind::plane, cylinder = wall.kind == WallKind::cylinder,
                mesh = wall.kind == WallKind::mesh, round = cylinder || wall.kind == WallKind::sphere;
-    const auto belongs = [&](const char* name, bool fits, const char* kinds) {
-      if (!fits && given(key + "." + name))
-        throw error(key + "." + name, "has no effect unless the kind is {}", kinds);
-    };
-    belongs("normal", plane, "'plane'");
-    belongs("axis", cylinder, "'cylinder'");
-    belongs("radius", round, "'sphere' or 'cylinder'");
-    belongs("side", round, "'sphere' or 'cylinder'");
-    belongs("file", mesh, "'mesh'");
-    belongs("unit", mesh, "'mesh'");
+    belongs(key + ".normal", plane, "'plane'");
+    belongs(key + ".axis", cylinder, "'cylinder'");
+    belongs(key + ".radius", round, "'sphere' or 'cylinder'");
+    belongs(key + ".side", round, "'sphere' or 'cylinder'");
+    belongs(key + ".file", mesh, "'mesh'");
+    belongs(key + ".unit", mesh, "'mesh'");
     if (round) require(key + ".radius", "the kind is 'sphere' or 'cylinder'");
     if (mesh) require(key + ".file", "the kind is 'mesh'");
     wall.normal = direction<Vec3>(wall.normal, key + ".normal");
@@ -117,6 +144,13 @@ class Checks {
     if (given(key + ".rotation_point") && !given(key + ".angular_velocity"))
       throw error(key + ".rotation_point", "has no effect without angular_velocity");
     if (!given(key + ".rotation_point")) wall.rotation_point = wall.point;
+    for (std::size_t i = 0; i < wall.stages.size(); ++i) {
+      std::vector<std::string> names;
+      for (const StageSpec& stage : scene_.stages) names.push_back(stage.name);
+      if (std::find(names.begin(), names.end(), wall.stages[i]) == names.end())
+        throw error(key + ".stages", "no [[stage]] is called '{}'; expected some of {}", wall.stages[i],
+                    alternatives(names));
+    }
   }
 
   void require(const std::string& key, const char* reason) const {
@@ -183,12 +217,39 @@ class Checks {
                   show(*orbit.semi_major_axis));
   }
 
+  /// Keys of an operation, and that nothing else is asked of its stage.
+  void check_operation(StageSpec& stage, const std::string& key) const {
+    check_one_of(key, {"carve", "scale", "assign"}, false);
+    if (!stage.operates()) {
+      require(key + ".duration", "the stage does not carve, scale or assign");
+      return;
+    }
+    for (const char* name :
+         {".duration", ".material", ".impact_speed", ".stiffness", ".time_step", ".spin", ".strain_rate",
+          ".packing", ".gravity", ".field", ".quiet_energy", ".quiet_speed"})
+      if (given(key + name))
+        throw error(key + name, "has no effect in a stage that carves, scales or assigns");
+    if (scene_.box) throw error(key, "a pile in a periodic box cannot be carved, scaled or assigned");
+    if (stage.carve) check_region(stage.carve->region, key + ".carve.region");
+    if (!stage.assign) return;
+    check_region(stage.assign->region, key + ".assign.region");
+    check_one_of(key + ".assign", {"density", "density_factor"}, stage.assign->material.empty());
+    if (!stage.assign->material.empty()) check_reference(stage.assign->material, key + ".assign.material");
+  }
+
+  void check_quiet(std::size_t index, const std::string& key) const {
+    if (scene_.stages[index].quiet_energy && gravity_of(scene_, index) == GravityMethod::none)
+      throw error(key + ".quiet_energy", "has no meaning without self-gravity; expected quiet_speed");
+  }
+
   void check_stages() const {
     std::set<std::string> names;
-    for (const StageSpec& stage : scene_.stages) {
+    for (StageSpec& stage : scene_.stages) {
       const std::string key = fmt::format("stage[{}]", names.size());
       if (!names.insert(stage.name).second)
         throw error(key + ".name", "expected a name of its own, found '{}' for a second time", stage.name);
+      check_operation(stage, key);
+      check_quiet(names.size() - 1, key);
       if (!stage.material.empty()) check_reference(stage.material, key + ".material");
       if (stage.spin) check_path(stage.spin->path, key + ".spin.path");
       check_strain(stage, key);
@@ -201,9 +262,16 @@ class Checks {
     if (scene_.gravity.method != GravityMethod::none)
       throw error("gravity.method",
                   "self-gravity has no meaning in a periodic box; expected 'none' with [box]");
+    for (std::size_t i = 0; i < scene_.stages.size(); ++i)
+      if (gravity_of(scene_, i) != GravityMethod::none)
+        throw error(fmt::format("stage[{}].gravity", i),
+                    "self-gravity has no meaning in a periodic box; expected 'none' with [box]");
     const auto along_box = [&](const Vec3& v) { return (size.array() > 0.0 && v.array() != 0.0).any(); };
     if (along_box(scene_.gravity.field))
       throw error("gravity.field", "expected 0 along the periodic directions of the box");
+    for (std::size_t i = 0; i < scene_.stages.size(); ++i)
+      if (along_box(field_of(scene_, i)))
+        throw error(fmt::format("stage[{}].field", i), "expected 0 along the periodic directions of the box");
     for (std::size_t i = 0; i < scene_.walls.size(); ++i) {
       const WallSpec& wall = scene_.walls[i];
       if (wall.kind != WallKind::plane)
@@ -254,6 +322,19 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::f
 Scene load_scene(const std::filesystem::path& path) {
   const std::filesystem::path directory = path.has_parent_path() ? path.parent_path() : ".";
   return parse_scene(read_text_file(path), path.string(), directory);
+}
+
+bool has_wall(const Scene& scene, std::size_t stage, std::size_t wall) {
+  const std::vector<std::string>& names = scene.walls[wall].stages;
+  return names.empty() || std::find(names.begin(), names.end(), scene.stages[stage].name) != names.end();
+}
+
+GravityMethod gravity_of(const Scene& scene, std::size_t stage) {
+  return scene.stages[stage].gravity.value_or(scene.gravity.method);
+}
+
+Vec3 field_of(const Scene& scene, std::size_t stage) {
+  return scene.stages[stage].field.value_or(scene.gravity.field);
 }
 
 double total_duration(const Scene& scene) {

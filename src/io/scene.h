@@ -18,13 +18,16 @@
 
 namespace cairn {
 
-enum class SizeDistribution { single, uniform, power_law };
+enum class SizeDistribution { single, uniform, log_normal, power_law };
 enum class DampingMass { bodies, spheres };
 enum class RollingSlip { none, zhang2017 };
 enum class GravityMethod { none, direct, tree };
 enum class OnFailure { release, keep };
 enum class WallKind { plane, sphere, cylinder, mesh };
 enum class WallSide { inside, outside };
+enum class LatticeKind { hcp, fcc, sc };
+enum class RegionKind { ball, ellipsoid, box, mesh };
+enum class ScaleBy { mass, size };
 
 /// One shape of a mixture.
 struct ShapeChoice {
@@ -41,11 +44,36 @@ struct CloudSpec {
   double size = 0.0;      ///< m; of every body, or the smallest
   double size_max = 0.0;  ///< m; the largest, unless single
   double exponent = 3.0;  ///< power_law: differential number ~ size^-exponent
+  double median = 0.0;    ///< m, log_normal: before the limits cut it
+  double sigma = 0.0;     ///< log_normal: standard deviation of ln size
   double density = 0.0;   ///< kg/m^3
   std::string material;
   Vec3 position = Vec3::Zero();  ///< m
   Vec3 velocity = Vec3::Zero();  ///< m/s
   double spin_period = 0.0;      ///< s, rigid rotation about z; 0: none
+};
+
+/// A part of space. Keys that its kind does not have are errors.
+struct RegionSpec {
+  RegionKind kind = RegionKind::ball;
+  double radius = 0.0;           ///< m, of a ball
+  Vec3 size = Vec3::Zero();      ///< m, full extents of an ellipsoid or box; of a mesh: scaled to these
+  std::string file;              ///< of a mesh
+  double unit = 1.0;             ///< m, of the lengths in the file
+  Vec3 position = Vec3::Zero();  ///< m, of the centre, or of a mesh's origin
+  Quat orientation = Quat::Identity();  ///< w, x, y, z: frame of the region -> space
+};
+
+/// Bodies of one kind on a lattice.
+struct LatticeSpec {
+  LatticeKind kind = LatticeKind::hcp;
+  std::string shape = "sphere";
+  double size = 0.0;     ///< m
+  double density = 0.0;  ///< kg/m^3
+  std::string material;
+  double spacing = 0.0;  ///< m, of nearest sites; 0: bounding spheres touch
+  bool random_orientation = false;
+  RegionSpec region;
 };
 
 /// One body put by hand.
@@ -83,6 +111,7 @@ struct WallSpec {
   double oscillation_phase = 0.0;             ///< rad
   Vec3 angular_velocity = Vec3::Zero();       ///< rad/s
   Vec3 rotation_point = Vec3::Zero();         ///< m; `point` when not given
+  std::vector<std::string> stages;            ///< in which it is there; empty: all
 };
 
 struct ContactSpec {
@@ -143,10 +172,33 @@ struct SpinSpec {
   std::optional<double> after_failure;  ///< s; the stage ends this long after failure
 };
 
-/// A stretch of the run with its own settings.
+/// Takes bodies away.
+struct CarveSpec {
+  RegionSpec region;     ///< from the mass centre of the bodies
+  bool whole = false;    ///< a body stays if all of its spheres are in the region; otherwise, its centre
+  bool outside = false;  ///< those in the region go instead
+};
+
+/// Gives the bodies a bulk density.
+struct ScaleSpec {
+  double density = 0.0;  ///< kg/m^3, mass of all bodies over the volume
+  ScaleBy by = ScaleBy::mass;
+  std::optional<double> volume;  ///< m^3; absent: of the region last carved
+};
+
+/// Gives the bodies in a region another density or material.
+struct AssignSpec {
+  RegionSpec region;                     ///< from the mass centre of the bodies
+  bool outside = false;                  ///< those that are not in it instead
+  std::optional<double> density;         ///< kg/m^3
+  std::optional<double> density_factor;  ///< times their own
+  std::string material;                  ///< empty: as it is
+};
+
+/// A stretch of the run with its own settings, or an operation on the bodies that takes no time.
 struct StageSpec {
   std::string name;
-  double duration = 0.0;  ///< s
+  double duration = 0.0;  ///< s; the longest, when it can end earlier
   std::string material;   ///< replaces every body's material during the stage, when given
   std::optional<double>
       impact_speed;                 ///< m/s, for the automatic stiffness; the pile's escape speed when absent
@@ -155,6 +207,16 @@ struct StageSpec {
   std::optional<SpinSpec> spin;
   Vec3 strain_rate = Vec3::Zero();  ///< 1/s, d ln(edge) / dt of the box
   std::optional<double> packing;    ///< the strain ends at this volume of the bodies over that of the box
+  std::optional<GravityMethod> gravity;  ///< replaces gravity.method
+  std::optional<Vec3> field;             ///< m/s^2; replaces gravity.field
+  std::optional<double> quiet_energy;    ///< the stage ends at this kinetic energy over |W|
+  std::optional<double> quiet_speed;     ///< m/s; the stage ends at this rms speed
+  std::optional<CarveSpec> carve;
+  std::optional<ScaleSpec> scale;
+  std::optional<AssignSpec> assign;
+
+  /// Whether it changes the bodies instead of following their motion.
+  bool operates() const { return carve || scale || assign; }
 };
 
 struct OutputSpec {
@@ -162,6 +224,7 @@ struct OutputSpec {
   double series_interval = 0.0;        ///< s of simulated time; 0: a thousandth of each stage
   double checkpoint_interval = 300.0;  ///< s of wall-clock time
   double remnant_gap = 0.1;            ///< bodies closer than this times the smallest radius belong together
+  double interior = 0.0;  ///< m, radius within which the packing is measured; 0: 3/4 of the half extent c/2
 };
 
 struct Scene {
@@ -171,6 +234,7 @@ struct Scene {
   std::string pile;  ///< result file whose last snapshot supplies the bodies; empty: none
   Frame frame;       ///< where the scene's zero is, and how it moves
   std::optional<BoxSpec> box;
+  std::vector<LatticeSpec> lattices;
   std::vector<CloudSpec> clouds;
   std::vector<BodySpec> bodies;
   std::vector<WallSpec> walls;
@@ -193,7 +257,14 @@ Scene load_scene(const std::filesystem::path& path);
 /// The same from text already in memory (a result file carries its scene); `name` stands in for the file.
 Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& directory);
 
-/// Simulated time (s) of all stages together.
+/// Whether wall `wall` is there in stage `stage`.
+bool has_wall(const Scene& scene, std::size_t stage, std::size_t wall);
+
+/// Self-gravity and the uniform field (m/s^2) in stage `stage`.
+GravityMethod gravity_of(const Scene& scene, std::size_t stage);
+Vec3 field_of(const Scene& scene, std::size_t stage);
+
+/// Simulated time (s) of all stages together, at most.
 double total_duration(const Scene& scene);
 
 /// The reference of all scene keys: name, type, unit, default, bounds, help; made from the key table.

@@ -30,11 +30,12 @@ const Keys<ShapeChoice> kShapeKeys = {
 const Keys<CloudSpec> kCloudKeys = {
     tables("shape", &CloudSpec::shapes, kShapeKeys, "One shape of the mixture.").required(),
     integer("count", &CloudSpec::count, "", within(1, 10'000'000), "number of bodies").required(),
-    number("filling", &CloudSpec::filling, "", above(0, 0.2),
+    number("filling", &CloudSpec::filling, "", above(0, 0.3),
            "volume of the bodies' bounding spheres over the volume of the ball"),
     choice("distribution", &CloudSpec::distribution,
            {{"single", SizeDistribution::single},
             {"uniform", SizeDistribution::uniform},
+            {"log_normal", SizeDistribution::log_normal},
             {"power_law", SizeDistribution::power_law}},
            "distribution of the sizes"),
     number("size", &CloudSpec::size, "m", kSize, "size of every body, or the smallest; scales the shape")
@@ -42,12 +43,52 @@ const Keys<CloudSpec> kCloudKeys = {
     number("size_max", &CloudSpec::size_max, "m", kSize, "the largest size; required unless 'single'"),
     number("exponent", &CloudSpec::exponent, "", magnitude(20),
            "power_law only: differential number of bodies ~ size^-exponent"),
+    number("median", &CloudSpec::median, "m", kSize,
+           "log_normal, which requires it: median size before the limits cut the distribution"),
+    number("sigma", &CloudSpec::sigma, "", within(1e-3, 10),
+           "log_normal, which requires it: standard deviation of the logarithm of the size"),
     number("density", &CloudSpec::density, "kg/m^3", kDensity, "density of the bodies' material").required(),
     text("material", &CloudSpec::material, kReference, kMaterialHelp),
     vector("position", &CloudSpec::position, "m", kPosition, "centre of the ball"),
     vector("velocity", &CloudSpec::velocity, "m/s", kVelocity, "velocity of the centre"),
     number("spin_period", &CloudSpec::spin_period, "s", kTime,
            "period of a rigid rotation about z through the centre; 0: none"),
+};
+
+const Keys<RegionSpec> kRegionKeys = {
+    choice("kind", &RegionSpec::kind,
+           {{"ball", RegionKind::ball},
+            {"ellipsoid", RegionKind::ellipsoid},
+            {"box", RegionKind::box},
+            {"mesh", RegionKind::mesh}},
+           "what bounds the region; the surface itself is not in it")
+        .required(),
+    number("radius", &RegionSpec::radius, "m", kSize, "ball, which requires it"),
+    vector("size", &RegionSpec::size, "m", kSize,
+           "ellipsoid and box, which require it: full extents; mesh: stretched to these extents"),
+    text("file", &RegionSpec::file, kPath,
+         "mesh, which requires it: path of an OBJ, STL, PLY or OFF file, a closed surface"),
+    number("unit", &RegionSpec::unit, "m", within(1e-9, 1e9), "mesh only: unit of the lengths in the file"),
+    vector("position", &RegionSpec::position, "m", kPosition, "of the centre, or of a mesh's origin"),
+    quaternion("orientation", &RegionSpec::orientation, magnitude(1e6),
+               "w, x, y, z: rotation about that place; any length but zero"),
+};
+
+const Keys<LatticeSpec> kLatticeKeys = {
+    choice("kind", &LatticeSpec::kind,
+           {{"hcp", LatticeKind::hcp}, {"fcc", LatticeKind::fcc}, {"sc", LatticeKind::sc}},
+           "hexagonal close packed, face-centred cubic or simple cubic"),
+    text("shape", &LatticeSpec::shape, kPath, "library name, or path of a shape file"),
+    number("size", &LatticeSpec::size, "m", kSize, "scales the shape").required(),
+    number("density", &LatticeSpec::density, "kg/m^3", kDensity, "density of the bodies' material")
+        .required(),
+    text("material", &LatticeSpec::material, kReference, kMaterialHelp),
+    number("spacing", &LatticeSpec::spacing, "m", kSize,
+           "between nearest sites; absent: that at which bounding spheres touch"),
+    flag("random_orientation", &LatticeSpec::random_orientation, "turn each body at random"),
+    table("region", &LatticeSpec::region, kRegionKeys,
+          "Where sites have bodies; a site is at its position, the lattice turns with it.")
+        .required(),
 };
 
 const Keys<BodySpec> kBodyKeys = {
@@ -102,6 +143,9 @@ const Keys<WallSpec> kWallKeys = {
            "of a rotation about an axis through rotation_point"),
     vector("rotation_point", &WallSpec::rotation_point, "m", kPosition,
            "takes part in translation and oscillation; absent: point"),
+    texts("stages", &WallSpec::stages, kName,
+          "names of the stages in which the wall is there, its motion counted from the start of the first; "
+          "empty: all, from the start of the run"),
 };
 
 const Keys<Material> kMaterialKeys = {
@@ -136,9 +180,11 @@ const Keys<ContactSpec> kContactKeys = {
            "sliding term in the rolling velocity: left out, or as printed by Zhang et al. 2017, eq. 8"),
 };
 
+const std::vector<std::pair<std::string, GravityMethod>> kGravityMethods = {
+    {"none", GravityMethod::none}, {"direct", GravityMethod::direct}, {"tree", GravityMethod::tree}};
+
 const Keys<GravitySpec> kGravityKeys = {
-    choice("method", &GravitySpec::method,
-           {{"none", GravityMethod::none}, {"direct", GravityMethod::direct}, {"tree", GravityMethod::tree}},
+    choice("method", &GravitySpec::method, kGravityMethods,
            "self-gravity: none, the exact pair sum, or the fast method"),
     number("error", &GravitySpec::error, "", within(1e-8, 0.1),
            "rms error of the tree's field over the rms field; measured at the start of each stage"),
@@ -204,9 +250,39 @@ const Keys<SpinSpec> kSpinKeys = {
            "the stage ends this long after failure; absent: at its duration"),
 };
 
+const Keys<CarveSpec> kCarveKeys = {
+    table("region", &CarveSpec::region, kRegionKeys,
+          "What stays; its position counts from the mass centre of all bodies.")
+        .required(),
+    flag("whole", &CarveSpec::whole,
+         "a body belongs to the region if all of its spheres lie in it; false: if its mass centre does"),
+    flag("outside", &CarveSpec::outside, "the bodies of the region go, the others stay"),
+};
+
+const Keys<ScaleSpec> kScaleKeys = {
+    number("density", &ScaleSpec::density, "kg/m^3", kDensity, "mass of all bodies over the volume")
+        .required(),
+    choice("by", &ScaleSpec::by, {{"mass", ScaleBy::mass}, {"size", ScaleBy::size}},
+           "masses change and lengths stay, or lengths change (the volume's too) and masses stay"),
+    number("volume", &ScaleSpec::volume, "m^3", above(0, 1e30),
+           "that the bodies fill; absent: that of the region last carved"),
+};
+
+const Keys<AssignSpec> kAssignKeys = {
+    table("region", &AssignSpec::region, kRegionKeys,
+          "Bodies with their mass centre here; its position counts from the mass centre of all bodies.")
+        .required(),
+    flag("outside", &AssignSpec::outside, "the bodies that are not in the region"),
+    number("density", &AssignSpec::density, "kg/m^3", kDensity, "their new density"),
+    number("density_factor", &AssignSpec::density_factor, "", within(1e-6, 1e6),
+           "their new density over the old one"),
+    text("material", &AssignSpec::material, kReference, "name of a [[material]], theirs from now on"),
+};
+
 const Keys<StageSpec> kStageKeys = {
     text("name", &StageSpec::name, kName, "of its own").required(),
-    number("duration", &StageSpec::duration, "s", kDuration, "simulated time").required(),
+    number("duration", &StageSpec::duration, "s", kDuration,
+           "simulated time, at most; required unless the stage carves, scales or assigns"),
     text("material", &StageSpec::material, kReference,
          "name of a [[material]] that replaces every body's during the stage; absent: none does"),
     number("impact_speed", &StageSpec::impact_speed, "m/s", within(0, 3e8),
@@ -220,6 +296,21 @@ const Keys<StageSpec> kStageKeys = {
     number(
         "packing", &StageSpec::packing, "", above(0, 10),
         "the strain ends when the volume of the bodies over that of the box is this; absent: with the stage"),
+    choice("gravity", &StageSpec::gravity, kGravityMethods, "replaces gravity.method"),
+    vector("field", &StageSpec::field, "m/s^2", magnitude(1e12), "replaces gravity.field"),
+    number(
+        "quiet_energy", &StageSpec::quiet_energy, "", above(0, 1),
+        "the stage ends when the kinetic energy, without walls less that of rigid motion, over the size of "
+        "the "
+        "gravitational energy is below this; checked with each row of the series, after a tenth of duration"),
+    number("quiet_speed", &StageSpec::quiet_speed, "m/s", above(0, 1e6),
+           "the same for the rms speed that belongs to that energy"),
+    table("carve", &StageSpec::carve, kCarveKeys,
+          "Takes bodies away; the stage does only this, and no time passes."),
+    table("scale", &StageSpec::scale, kScaleKeys,
+          "Gives the bodies a bulk density; the stage does only this, and no time passes."),
+    table("assign", &StageSpec::assign, kAssignKeys,
+          "Gives bodies another density or material; the stage does only this, and no time passes."),
 };
 
 const Keys<OutputSpec> kOutputKeys = {
@@ -231,6 +322,8 @@ const Keys<OutputSpec> kOutputKeys = {
            "of wall-clock time"),
     number("remnant_gap", &OutputSpec::remnant_gap, "", within(0, 1e6),
            "bodies closer than this times the smallest radius belong together"),
+    number("interior", &OutputSpec::interior, "m", within(0, 1e12),
+           "the packing is measured on spheres this close to the mass centre; 0: 3/8 of the shortest extent"),
 };
 
 const Keys<Scene> kSceneKeys = {
@@ -247,6 +340,7 @@ const Keys<Scene> kSceneKeys = {
           "the result file. A double has 16 digits: for bodies 1.5e11 m away give this, and positions from "
           "here."),
     table("box", &Scene::box, kBoxKeys, "A periodic box: bodies meet the images of others one edge away."),
+    tables("lattice", &Scene::lattices, kLatticeKeys, "Bodies of one kind on a lattice."),
     tables("cloud", &Scene::clouds, kCloudKeys,
            "A ball of bodies at random positions and orientations, without overlap."),
     tables("body", &Scene::bodies, kBodyKeys, "One body put by hand."),

@@ -79,7 +79,7 @@ std::string attribute(const std::string& file, const std::string& group, const D
 }
 
 std::string grid(const ResultFile& result, const std::string& file, std::size_t k,
-                 const std::vector<DatasetInfo>& constants) {
+                 const std::string& constants_group, const std::vector<DatasetInfo>& constants) {
   const std::vector<DatasetInfo> fields = result.list_snapshot(k);
   const auto position = std::ranges::find(fields, kPosition, &DatasetInfo::name);
   if (position == fields.end() || position->shape.size() != 2 || position->shape[1] != 3) return {};
@@ -92,7 +92,7 @@ std::string grid(const ResultFile& result, const std::string& file, std::size_t 
       "        <Geometry GeometryType=\"XYZ\">{}</Geometry>\n",
       escaped(result.snapshots()[k].stage), result.snapshots()[k].time, spheres,
       data_item(file, group, *position));
-  for (const DatasetInfo& constant : constants) text += attribute(file, "spheres", constant, spheres);
+  for (const DatasetInfo& constant : constants) text += attribute(file, constants_group, constant, spheres);
   for (const DatasetInfo& field : fields)
     if (field.name != kPosition) text += attribute(file, group, field, spheres);
   return text + "      </Grid>\n";
@@ -104,12 +104,20 @@ fs::path write_xdmf(const ResultFile& result) {
   const fs::path sidecar = result.path().string() + ".xdmf";
   const fs::path temporary = sidecar.string() + ".part";
   const std::string file = result.path().filename().string();
-  const std::vector<DatasetInfo> constants =
-      result.has_group("spheres") ? result.list("spheres") : std::vector<DatasetInfo>{};
   std::ofstream out(temporary);
   out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
          "    <Grid Name=\"spheres\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-  for (std::size_t k = 0; k < result.snapshots().size(); ++k) out << grid(result, file, k, constants);
+  std::string group;
+  std::vector<DatasetInfo> constants;
+  std::optional<std::uint64_t> epoch;
+  for (std::size_t k = 0; k < result.snapshots().size(); ++k) {
+    if (epoch != result.snapshots()[k].epoch) {
+      epoch = result.snapshots()[k].epoch;
+      group = result.constants("spheres", *epoch);
+      constants = result.has_group(group) ? result.list(group) : std::vector<DatasetInfo>{};
+    }
+    out << grid(result, file, k, group, constants);
+  }
   out << "    </Grid>\n  </Domain>\n</Xdmf>\n";
   out.close();
   std::error_code error;

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "pile/cloud.h"
+#include "pile/lattice.h"
 #include "pile/pile_file.h"
 #include "shape/library.h"
 
@@ -53,10 +54,13 @@ double smallest_radius(const Scene& scene, const Bodies& pile, Shapes& shapes) {
   };
   for (const CloudSpec& cloud : scene.clouds)
     for (const ShapeChoice& choice : cloud.shapes) consider(choice.shape, cloud.size);
+  for (const LatticeSpec& lattice : scene.lattices) consider(lattice.shape, lattice.size);
   for (const BodySpec& body : scene.bodies) consider(body.shape, body.size);
   for (const double radius : pile.spheres.radius) smallest = std::min(smallest, radius);
   return smallest;
 }
+
+constexpr std::uint64_t kLatticeStreams = std::uint64_t{1} << 32;  // clouds have the lower ones
 
 /// The pile and its box in the frame of the scene.
 Setup take_pile(const Scene& scene) {
@@ -83,6 +87,17 @@ Setup assemble(const Scene& scene) {
   // Walls and boxes stay where they are: no frame of the bodies' own, no cells.
   const bool free = scene.walls.empty() && !scene.box;
   set_cell_edge(setup.bodies, free ? cell_edge(smallest_radius(scene, setup.bodies, shapes)) : 0.0);
+  for (std::size_t k = 0; k < scene.lattices.size(); ++k) {
+    const LatticeSpec& lattice = scene.lattices[k];
+    const std::string key = fmt::format("lattice[{}]", k);
+    try {
+      const std::uint32_t index = shapes.index(lattice.shape);
+      add_lattice(lattice, Region(lattice.region, scene.directory), shapes.all()[index], index,
+                  material_index(scene, lattice.material), scene.seed, kLatticeStreams + k, setup.bodies);
+    } catch (const InputError& error) {
+      throw scene.sources.error(key, error.what());
+    }
+  }
   std::uint64_t stream = 0;
   for (const CloudSpec& cloud : scene.clouds) {
     std::vector<std::uint32_t> index;

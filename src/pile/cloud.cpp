@@ -7,16 +7,19 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "pile/order.h"
 
 namespace cairn {
 
 namespace {
 
-/// Bounding spheres already placed, in cells as wide as the largest of them.
-class Occupied {
+/// Bounding spheres of similar sizes already placed, in cells as wide as the largest of them. No sphere that
+/// is asked for is larger.
+class Layer {
  public:
-  explicit Occupied(double cell) : cell_(cell) {}
+  explicit Layer(double cell) : cell_(cell) {}
 
+  double cell() const { return cell_; }
   bool overlaps(const Vec3& x, double radius) const {
     const auto [i, j, k] = index(x);
     for (std::int64_t a = i - 1; a <= i + 1; ++a)
@@ -47,6 +50,23 @@ class Occupied {
   std::unordered_map<std::int64_t, std::vector<std::pair<Vec3, double>>> cells_;
 };
 
+/// Bounding spheres already placed, in layers of sizes that differ by less than two.
+class Occupied {
+ public:
+  bool overlaps(const Vec3& x, double radius) const {
+    return std::any_of(layers_.begin(), layers_.end(),
+                       [&](const Layer& layer) { return layer.overlaps(x, radius); });
+  }
+  /// Spheres must come largest first.
+  void insert(const Vec3& x, double radius) {
+    if (layers_.empty() || 4.0 * radius < layers_.back().cell()) layers_.emplace_back(2.0 * radius);
+    layers_.back().insert(x, radius);
+  }
+
+ private:
+  std::vector<Layer> layers_;
+};
+
 /// Bodies of each shape: weights times count, rounded so that they add up (largest remainders first).
 std::vector<std::int64_t> shape_counts(const CloudSpec& cloud) {
   const std::size_t n = cloud.shapes.size();
@@ -68,14 +88,17 @@ std::vector<std::int64_t> shape_counts(const CloudSpec& cloud) {
   return counts;
 }
 
-/// Interleaves the bits of a point of the unit cube: near points get near numbers.
-std::uint64_t morton(const Vec3& unit) {
-  std::uint64_t code = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto cell = static_cast<std::uint64_t>(std::clamp(unit[axis], 0.0, 0x1.ffffp-1) * 0x1p20);
-    for (int bit = 0; bit < 20; ++bit) code |= ((cell >> bit) & 1) << (3 * bit + axis);
+/// The median times e^(sigma z), z normal between the limits: bisection of the distribution function.
+double draw_log_normal(const CloudSpec& cloud, double u) {
+  const auto below = [](double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); };
+  double low = std::log(cloud.size / cloud.median) / cloud.sigma,
+         high = std::log(cloud.size_max / cloud.median) / cloud.sigma;
+  const double aim = below(low) + u * (below(high) - below(low));
+  for (int k = 0; k < 60; ++k) {
+    const double z = 0.5 * (low + high);
+    (below(z) < aim ? low : high) = z;
   }
-  return code;
+  return std::clamp(cloud.median * std::exp(cloud.sigma * 0.5 * (low + high)), cloud.size, cloud.size_max);
 }
 
 }  // namespace
@@ -87,6 +110,8 @@ double draw_size(const CloudSpec& cloud, double u) {
       return low;
     case SizeDistribution::uniform:
       return low + (high - low) * u;
+    case SizeDistribution::log_normal:
+      return draw_log_normal(cloud, u);
     case SizeDistribution::power_law:
       break;
   }
@@ -121,7 +146,7 @@ void add_cloud(const CloudSpec& cloud, const std::vector<RigidShape>& shapes,
   // Largest first: they need the widest gaps.
   std::stable_sort(grains.begin(), grains.end(), [](auto& a, auto& b) { return a.radius > b.radius; });
   const double ball = std::max(std::cbrt(volume / cloud.filling), largest);
-  Occupied occupied(2.0 * largest);
+  Occupied occupied;
   for (Grain& g : grains) {
     constexpr int tries = 10000;
     int t = 0;
@@ -134,9 +159,7 @@ void add_cloud(const CloudSpec& cloud, const std::vector<RigidShape>& shapes,
     occupied.insert(g.position, g.radius);
   }
 
-  const auto code = [&](const Grain& g) {
-    return morton((0.5 / ball) * (g.position + Vec3::Constant(ball)));
-  };
+  const auto code = [&](const Grain& g) { return morton(g.position, ball); };
   std::stable_sort(grains.begin(), grains.end(), [&](auto& a, auto& b) { return code(a) < code(b); });
   const Vec3 spin = cloud.spin_period > 0.0 ? Vec3(0.0, 0.0, 2.0 * kPi / cloud.spin_period) : Vec3::Zero();
   for (const Grain& g : grains)

@@ -77,6 +77,7 @@ Setup read_pile(const std::filesystem::path& path, const std::vector<Material>& 
   setup.box.edge = state.box.edge;
   setup.contacts = contacts.records();
   setup.k_n = state.k_n;
+  setup.region_volume = state.region_volume;
   return setup;
 }
 

@@ -1,6 +1,7 @@
 #include "sim/fields.h"
 
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 #include "core/vector.h"
@@ -143,6 +144,11 @@ FieldTable checkpoint_fields(State& s, ContactColumns& contacts, WallColumns& wa
        {"clock/total_steps", "", "steps done in all", &s.clock.total_steps},
        {"clock/stage_start", "s", "time at the start of the stage", &s.clock.stage_start},
        {"clock/dt", "s", "time step", &s.clock.dt},
+       {"clock/stage_starts", "s", "times at which the stages so far began", &s.stage_starts},
+       {"region_volume", "m^3", "of the region last carved; 0: none", &s.region_volume},
+       {"ledger/field_momentum", "kg m/s", "given by uniform fields in the stages before this one",
+        &s.ledger.field_momentum},
+       {"ledger/rebase", "", "momenta are to be counted anew from the next stage on", &s.ledger.rebase},
        {"control/active", "", "spin control is on", &s.control.active},
        {"control/failed", "", "the pile has failed", &s.control.failed},
        {"control/failure_time", "s", "time of failure", &s.control.failure_time},
@@ -177,8 +183,13 @@ FieldTable checkpoint_fields(State& s, ContactColumns& contacts, WallColumns& wa
 }
 
 void read_constants(const ResultFile& file, Bodies& b, std::vector<std::string>& shapes) {
-  file.read_static("bodies", body_constants(b));
-  file.read_static("spheres", sphere_constants(b));
+  read_constants(file, b, shapes, std::numeric_limits<std::uint64_t>::max());
+}
+
+void read_constants(const ResultFile& file, Bodies& b, std::vector<std::string>& shapes,
+                    std::uint64_t epoch) {
+  file.read_static(file.constants("bodies", epoch), body_constants(b));
+  file.read_static(file.constants("spheres", epoch), sphere_constants(b));
   file.read_static("shapes", {{"name", "", "", &shapes}});
   const auto fail = [&]<class... Args>(fmt::format_string<Args...> what, Args&&... args) {
     throw InputError("{}: {}", file.path().string(), fmt::format(what, std::forward<Args>(args)...));

@@ -50,8 +50,11 @@ FieldTable motion_fields(Bodies& bodies);
 /// The whole state but for constants; contacts go through the columns.
 FieldTable checkpoint_fields(State& state, ContactColumns& contacts, WallColumns& walls);
 
-/// Reads the constants of bodies and spheres and the names of their shapes, checks that they fit together,
-/// and makes room for what is derived from them. @throws InputError naming the file and what does not fit.
+/// Reads the constants of bodies and spheres, those that they have now or had in an earlier epoch, and the
+/// names of their shapes, checks that they fit together, and makes room for what is derived from them.
+/// @throws InputError naming the file and what does not fit.
 void read_constants(const ResultFile& file, Bodies& bodies, std::vector<std::string>& shapes);
+void read_constants(const ResultFile& file, Bodies& bodies, std::vector<std::string>& shapes,
+                    std::uint64_t epoch);
 
 }  // namespace cairn

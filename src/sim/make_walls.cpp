@@ -73,6 +73,34 @@ std::vector<Wall> make_walls(const Scene& scene, std::vector<TriangleMesh> meshe
   return walls;
 }
 
+void set_walls(const Scene& scene, std::size_t stage, const std::vector<Wall>& walls,
+               const std::vector<double>& stage_starts, Walls& acting) {
+  constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> place(walls.size(), none);
+  acting.walls.clear();
+  acting.number.clear();
+  for (std::uint32_t w = 0; w < walls.size(); ++w) {
+    if (!has_wall(scene, stage, w)) continue;
+    place[w] = static_cast<std::uint32_t>(acting.walls.size());
+    acting.walls.push_back(walls[w]);
+    acting.number.push_back(w);
+    if (scene.walls[w].stages.empty()) continue;
+    std::size_t first = stage;
+    for (std::size_t k = 0; k < stage && first == stage; ++k)
+      if (has_wall(scene, k, w)) first = k;
+    acting.walls.back().motion.since = stage_starts.at(first);
+  }
+  std::erase_if(acting.contacts, [&](const WallContact& c) { return place[c.wall] == none; });
+  for (WallContact& c : acting.contacts) c.wall = place[c.wall];
+}
+
+std::vector<Wall> walls_of_stage(const Scene& scene, std::size_t stage, const std::vector<Wall>& walls) {
+  std::vector<Wall> out;
+  for (std::size_t w = 0; w < walls.size(); ++w)
+    if (has_wall(scene, stage, w)) out.push_back(walls[w]);
+  return out;
+}
+
 void write_wall_meshes(ResultFile& file, const std::vector<TriangleMesh>& meshes) {
   if (meshes.empty()) return;
   MeshColumns columns;

@@ -1,7 +1,7 @@
 // The walls of a scene.
 #pragma once
 
-#include "contact/wall/wall.h"
+#include "contact/walls.h"
 #include "io/results.h"
 #include "io/scene.h"
 
@@ -16,6 +16,14 @@ std::vector<Wall> make_walls(const Scene& scene, std::vector<TriangleMesh> meshe
 inline std::vector<Wall> make_walls(const Scene& scene) {
   return make_walls(scene, load_wall_meshes(scene));
 }
+
+/// Those of them that are there in a stage, their motion as if it began at time 0.
+std::vector<Wall> walls_of_stage(const Scene& scene, std::size_t stage, const std::vector<Wall>& walls);
+
+/// Makes the walls of the stage act; `stage_starts` holds when the stages until this one began (s). Contacts
+/// of walls that are not there end.
+void set_walls(const Scene& scene, std::size_t stage, const std::vector<Wall>& walls,
+               const std::vector<double>& stage_starts, Walls& acting);
 
 /// Result files carry the meshes, so that a run can be resumed without the files they came from.
 void write_wall_meshes(ResultFile& file, const std::vector<TriangleMesh>& meshes);

@@ -34,6 +34,8 @@ constexpr Column kColumns[] = {
     {&O::wobble, "wobble", "rad", "angle between the remnant's axis of largest inertia and its L"},
     {&O::kinetic, "kinetic_energy", "J", "of the bodies' mass centres"},
     {&O::rotational, "rotational_energy", "J", "of the bodies about their mass centres"},
+    {&O::agitation, "agitation", "J",
+     "kinetic and rotational energy less, without walls, that of the rigid motion with the same momenta"},
     {&O::gravitational, "gravitational_energy", "J", "between spheres of different bodies"},
     {&O::field, "field_energy", "J", "in the uniform field, 0 at the origin"},
     {&O::elastic, "elastic_energy", "J", "in the springs of the contacts, less the work of cohesion"},
@@ -106,6 +108,15 @@ void observe_remnant(State& state, double link_gap, Observation& o) {
   o.fragments = static_cast<double>(fragments.size());
 }
 
+/// Energy (J) of the rigid motion that has the bodies' momentum and angular momentum; images cannot turn, and
+/// between walls no motion counts as rigid.
+double rigid_energy(const State& state) {
+  if (!state.walls.empty()) return 0.0;
+  const SpinState whole = spin_state(state.bodies, all_bodies(state.bodies));
+  const double moving = 0.5 * whole.mass * whole.velocity.squaredNorm();
+  return state.box.periodic() ? moving : moving + 0.5 * rotation_rate(whole).dot(whole.angular_momentum);
+}
+
 }  // namespace
 
 std::vector<SeriesColumn> series_columns() {
@@ -133,6 +144,7 @@ Observation observe(const Physics& physics, State& state, Scratch& scratch, doub
   const Budget total = budget(bodies);
   o.kinetic = total.translational_energy;
   o.rotational = total.rotational_energy;
+  o.agitation = total.translational_energy + total.rotational_energy - rigid_energy(state);
   o.gravitational = gravitational_energy(physics, state, scratch);
   o.elastic = stored_energy(bodies, physics.contacts, state.contacts) +
               state.walls.stored_energy(bodies, physics.contacts, o.time);
@@ -153,7 +165,8 @@ Observation observe(const Physics& physics, State& state, Scratch& scratch, doub
   o.angular_z = l.z();
   const bool walls = !state.walls.empty();
   const auto relative = [](double drift, double scale) { return scale > 0.0 ? drift / scale : drift; };
-  const Vec3 given = ledger.perturbers.momentum + total.mass * o.time * physics.field;
+  const Vec3 given = ledger.perturbers.momentum + ledger.field_momentum +
+                     total.mass * state.clock.stage_time() * physics.field;
   o.momentum_drift = walls || physics.strain_rate != Vec3::Zero()
                          ? none
                          : relative((p - ledger.start_momentum - given).norm(), total.momentum_scale);

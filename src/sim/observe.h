@@ -16,6 +16,7 @@ struct Observation {
          wall_work = 0.0, control_work = 0.0, field = 0.0, perturber_work = 0.0, perturber_distance = 0.0;
   double momentum_x = 0.0, momentum_y = 0.0, momentum_z = 0.0, angular_x = 0.0, angular_y = 0.0,
          angular_z = 0.0;
+  double agitation = 0.0;
   double momentum_drift = 0.0, angular_drift = 0.0;
   double contacts = 0.0, coordination = 0.0, touching_bodies = 0.0, largest_overlap = 0.0;
   double remnant_mass_fraction = 0.0, shed_bodies = 0.0, fragments = 0.0, packing = 0.0, control_active = 0.0,

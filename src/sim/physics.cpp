@@ -40,12 +40,13 @@ double closing_speed(const Bodies& bodies) {
   return first + second;
 }
 
-double default_impact_speed(const Scene& scene, const Bodies& bodies, const std::vector<Wall>& walls) {
+double default_impact_speed(const Scene& scene, std::size_t stage, const Bodies& bodies,
+                            const std::vector<Wall>& walls) {
   double speed = closing_speed(bodies);
-  if (scene.gravity.method != GravityMethod::none) speed = std::max(speed, escape_speed(bodies));
-  const double field = scene.gravity.field.norm();
-  if (field > 0.0)
-    speed = std::max(speed, std::sqrt(2.0 * field * drop_height(bodies, walls, scene.gravity.field)));
+  if (gravity_of(scene, stage) != GravityMethod::none) speed = std::max(speed, escape_speed(bodies));
+  const Vec3 field = field_of(scene, stage);
+  if (field != Vec3::Zero())
+    speed = std::max(speed, std::sqrt(2.0 * field.norm() * drop_height(bodies, walls, field)));
   return speed + greatest_wall_speed(bodies, walls);
 }
 
@@ -64,9 +65,10 @@ std::vector<Material> body_materials(const Scene& scene, const StageSpec& stage)
   return stage.material.empty() ? scene.materials : std::vector<Material>{named(scene, stage.material)};
 }
 
-std::vector<Material> wall_materials(const Scene& scene) {
+std::vector<Material> wall_materials(const Scene& scene, std::size_t stage) {
   std::vector<Material> out;
-  for (const WallSpec& wall : scene.walls) out.push_back(named(scene, wall.material));
+  for (std::size_t w = 0; w < scene.walls.size(); ++w)
+    if (has_wall(scene, stage, w)) out.push_back(named(scene, scene.walls[w].material));
   return out;
 }
 
@@ -97,9 +99,9 @@ double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bo
   if (scene.contact.stiffness) return *scene.contact.stiffness;
   ContactDemand demand{
       .max_overlap = scene.contact.max_overlap,
-      .impact_speed = stage.impact_speed.value_or(default_impact_speed(scene, bodies, walls)),
-      .field = scene.gravity.field.norm(),
-      .self_gravity = scene.gravity.method != GravityMethod::none,
+      .impact_speed = stage.impact_speed.value_or(default_impact_speed(scene, index, bodies, walls)),
+      .field = field_of(scene, index).norm(),
+      .self_gravity = gravity_of(scene, index) != GravityMethod::none,
       .cohesion = 0.0,
       .shape_factor = 0.0};
   for (const Material& m : body_materials(scene, stage)) {
@@ -122,7 +124,7 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   p.k_n = k_n;
   p.overlap_limit = contact.overlap_limit;
   p.materials = body_materials(scene, stage);
-  p.wall_materials = wall_materials(scene);
+  p.wall_materials = wall_materials(scene, index);
   p.contacts.material = bodies.material;
   if (p.materials.size() == 1)
     std::fill(p.contacts.material.begin(), p.contacts.material.end(), std::uint16_t{0});
@@ -134,12 +136,12 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   p.contacts.features = required_features(touching, contact.rolling_slip == RollingSlip::zhang2017);
   p.contacts.sphere_damping = contact.damping_mass == DampingMass::spheres;
 
-  check_cohesion(p, stage.name, bodies, !scene.walls.empty());
+  check_cohesion(p, stage.name, bodies, !p.wall_materials.empty());
 
   double shape_factor = 0.0;
   for (const Material& m : touching) shape_factor = std::max(shape_factor, m.shape_factor);
-  p.contact_time =
-      shortest_contact_time(bodies, k_n, shape_factor, p.contacts.features.rolling, !scene.walls.empty());
+  p.contact_time = shortest_contact_time(bodies, k_n, shape_factor, p.contacts.features.rolling,
+                                         !p.wall_materials.empty());
   const std::optional<double> given = stage.time_step ? stage.time_step : contact.time_step;
   const double longest = kLongestSafeStep * p.contact_time;
   if (given && *given > longest && !contact.unsafe_time_step)
@@ -157,7 +159,7 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   const double dt = stage.duration / static_cast<double>(p.steps);
   p.contacts.dt = dt;
 
-  p.gravity = scene.gravity.method;
+  p.gravity = gravity_of(scene, index);
   if (scene.gravity.opening_angle) {
     p.tree.theta = *scene.gravity.opening_angle;
     p.tree.order = static_cast<int>(scene.gravity.order);
@@ -174,13 +176,16 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   for (std::size_t b = 0; b < bodies.size(); ++b)
     density = std::max(density, bodies.mass[b] / bodies.volume[b]);
   p.fall_time = 1.0 / std::sqrt(4.0 / 3.0 * kPi * kGravitationalConstant * density);
-  p.field = scene.gravity.field;
+  p.field = field_of(scene, index);
   p.body_mass = std::accumulate(bodies.mass.begin(), bodies.mass.end(), 0.0);
   p.perturbers = make_perturbers(scene, p.body_mass);
   p.largest_radius = *std::max_element(bodies.spheres.radius.begin(), bodies.spheres.radius.end());
   p.spin = stage.spin;
   p.strain_rate = stage.strain_rate;
   p.packing = stage.packing;
+  p.quiet_energy = stage.quiet_energy;
+  p.quiet_speed = stage.quiet_speed;
+  p.duration = stage.duration;
   p.body_volume = std::accumulate(bodies.volume.begin(), bodies.volume.end(), 0.0);
   if (scene.box) p.least_edge = least_edge(bodies);
   if (stage.spin && stage.spin->control_interval > 0.0)
@@ -278,6 +283,7 @@ std::string describe_models(const Physics& physics, const Bodies& bodies, bool w
   for (const gravity::Perturber& p : physics.perturbers)
     text += fmt::format("; perturber '{}' ({})", p.name, p.tidal ? "tide" : "whole pull");
   if (physics.spin) text += "; spin control";
+  if (physics.quiet_energy || physics.quiet_speed) text += "; ends when quiet";
   return text;
 }
 

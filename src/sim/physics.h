@@ -31,16 +31,19 @@ struct Physics {
   double body_mass = 0.0;       ///< kg, of all bodies
   double largest_radius = 0.0;  ///< m, of a sphere
   std::optional<SpinSpec> spin;
-  Vec3 strain_rate = Vec3::Zero();  ///< 1/s, of the periodic box
-  std::optional<double> packing;    ///< the strain ends there
-  double body_volume = 0.0;         ///< m^3, of all bodies
-  double least_edge = 0.0;          ///< m, of a periodic box
-  std::uint64_t control_steps = 1;  ///< steps between spin corrections
-  double series_interval = 0.0;     ///< s, between rows of the series, and between checks for failure
-  double snapshot_interval = 0.0;   ///< s; 0: only at the end of the stage
+  Vec3 strain_rate = Vec3::Zero();                  ///< 1/s, of the periodic box
+  std::optional<double> packing;                    ///< the strain ends there
+  double body_volume = 0.0;                         ///< m^3, of all bodies
+  std::optional<double> quiet_energy, quiet_speed;  ///< the stage ends below these
+  double duration = 0.0;                            ///< s, of the stage, at most
+  double least_edge = 0.0;                          ///< m, of a periodic box
+  std::uint64_t control_steps = 1;                  ///< steps between spin corrections
+  double series_interval = 0.0;    ///< s, between rows of the series, and between checks for failure
+  double snapshot_interval = 0.0;  ///< s; 0: only at the end of the stage
 };
 
-/// Normal stiffness (N/m) of stage `index`: given by the scene, or chosen for the bodies as they are now.
+/// Normal stiffness (N/m) of stage `index` with its walls: given by the scene, or chosen for the bodies as
+/// they are now.
 /// @throws InputError when nothing loads the contacts and none is given.
 double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies,
                          const std::vector<Wall>& walls);

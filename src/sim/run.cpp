@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "analysis/budget.h"
 #include "core/error.h"
@@ -56,7 +57,8 @@ FieldTable RunAttributes::table() {
           {"seed", "", "of the random numbers", &seed}};
 }
 
-Run::Run(Scene scene, Setup setup, ResultFile results) : Run(std::move(scene), std::move(results)) {
+Run::Run(Scene scene, Setup setup, ResultFile results, Operation operation)
+    : Run(std::move(scene), std::move(results), std::move(operation)) {
   shapes_ = setup.shapes;
   inherited_ = std::move(setup.contacts);
   state_.bodies = std::move(setup.bodies);
@@ -64,22 +66,23 @@ Run::Run(Scene scene, Setup setup, ResultFile results) : Run(std::move(scene), s
   state_.shift = setup.shift;
   state_.box = setup.box;
   state_.k_n = setup.k_n;
+  state_.region_volume = setup.region_volume;
   state_.remnant.assign(state_.bodies.size(), 1);
   prepare_bodies();
   std::vector<TriangleMesh> meshes = load_wall_meshes(scene_);
   write_wall_meshes(results_, meshes);
   load_tracks(scene_);
   write_tracks(results_, scene_);
-  state_.walls.walls = make_walls(scene_, std::move(meshes));
+  walls_ = make_walls(scene_, std::move(meshes));
   for (std::size_t k = 0; k < stages(); ++k)  // a stage that cannot run shall say so now, not after hours
-    resolve_physics(scene_, k, state_.bodies,
-                    resolve_stiffness(scene_, k, state_.bodies, state_.walls.walls));
+    if (!scene_.stages[k].operates())
+      resolve_physics(scene_, k, state_.bodies,
+                      resolve_stiffness(scene_, k, state_.bodies, walls_of_stage(scene_, k, walls_)));
   const Budget total = budget(state_.bodies);
   state_.ledger.start_momentum = total.momentum;
   state_.ledger.start_angular_momentum = total.angular_momentum_about_center;
 
-  results_.write_static("bodies", body_constants(state_.bodies));
-  results_.write_static("spheres", sphere_constants(state_.bodies));
+  write_bodies("");
   std::vector<std::string> materials;
   for (const Material& m : scene_.materials) materials.push_back(m.name);
   results_.write_static("shapes", {{"name", "", "library name or path", &shapes_}});
@@ -90,9 +93,16 @@ Run::Run(Scene scene, Setup setup, ResultFile results) : Run(std::move(scene), s
   results_.declare_series(series_columns());
 }
 
+void Run::write_bodies(const std::string& suffix) {
+  results_.write_static("bodies" + suffix, body_constants(state_.bodies));
+  results_.write_static("spheres" + suffix, sphere_constants(state_.bodies));
+}
+
 std::vector<std::string> Run::warnings() const {
-  const double k_n = resolve_stiffness(scene_, 0, state_.bodies, state_.walls.walls);
-  return cairn::warnings(resolve_physics(scene_, 0, state_.bodies, k_n), state_.bodies, state_.walls.walls);
+  if (scene_.stages[0].operates()) return {};
+  const std::vector<Wall> walls = walls_of_stage(scene_, 0, walls_);
+  const double k_n = resolve_stiffness(scene_, 0, state_.bodies, walls);
+  return cairn::warnings(resolve_physics(scene_, 0, state_.bodies, k_n), state_.bodies, walls);
 }
 
 void Run::prepare_bodies() {
@@ -101,7 +111,7 @@ void Run::prepare_bodies() {
   place_spheres(state_.bodies);
 }
 
-Run Run::resume(const std::filesystem::path& path) {
+Run Run::resume(const std::filesystem::path& path, Operation operation) {
   ResultFile results = ResultFile::open_to_continue(path);
   if (results.finished() && results.outcome() == kFinished)
     throw InputError("{}: the run has finished; nothing to resume", path.string());
@@ -110,7 +120,8 @@ Run Run::resume(const std::filesystem::path& path) {
                      results.outcome());
   RunAttributes attributes;
   results.read_attributes(attributes.table());
-  Run run(parse_scene(attributes.scene, path.string(), attributes.directory), std::move(results));
+  Run run(parse_scene(attributes.scene, path.string(), attributes.directory), std::move(results),
+          std::move(operation));
   State& state = run.state_;
   read_constants(run.results_, state.bodies, run.shapes_);
   ContactColumns contacts;
@@ -122,7 +133,8 @@ Run Run::resume(const std::filesystem::path& path) {
   run.results_.declare_series(series_columns());
   run.prepare_bodies();
   run.inherited_ = contacts.records();
-  state.walls.walls = make_walls(run.scene_, read_wall_meshes(run.results_, run.scene_));
+  run.walls_ = make_walls(run.scene_, read_wall_meshes(run.results_, run.scene_));
+  state.walls.walls = run.walls_;
   state.walls.contacts = walls.contacts();
   read_tracks(run.results_, run.scene_);
   try {
@@ -130,7 +142,12 @@ Run Run::resume(const std::filesystem::path& path) {
   } catch (const InputError& error) {
     throw InputError("{}: checkpoint: {}", path.string(), error.what());
   }
+  for (std::size_t k = 0; k < state.clock.stage; ++k) run.epoch_ += run.scene_.stages[k].operates();
+  if (run.results_.has_group("stages")) run.results_.read_static("stages", run.stages_done_.table());
   if (state.clock.steps > 0) {  // within a stage; otherwise it is about to begin
+    if (state.stage_starts.size() <= state.clock.stage)
+      throw InputError("{}: checkpoint: expected the starts of the stages so far", path.string());
+    set_walls(run.scene_, state.clock.stage, run.walls_, state.stage_starts, state.walls);
     run.physics_ = resolve_physics(run.scene_, state.clock.stage, state.bodies, state.k_n);
     prepare_scratch(run.physics_, state, run.scratch_);
     state.contacts.restore(run.inherited_);
@@ -138,8 +155,61 @@ Run Run::resume(const std::filesystem::path& path) {
   return run;
 }
 
+/// What every stage begins with.
+void Run::begin() {
+  state_.stage_starts.resize(state_.clock.stage);
+  state_.stage_starts.push_back(state_.clock.time());
+  if (state_.ledger.rebase) rebase();
+}
+
+/// Lets the drifts of momenta count from here.
+void Run::rebase() {
+  const Budget total = budget(state_.bodies);
+  Ledger& ledger = state_.ledger;
+  ledger.start_momentum = total.momentum - ledger.perturbers.momentum - ledger.field_momentum;
+  ledger.start_angular_momentum =
+      total.angular_momentum_about_center - ledger.control_momentum - ledger.perturbers.angular_momentum;
+  ledger.rebase = false;
+}
+
+std::string Run::operate() {
+  if (!operation_) throw std::logic_error("this run has no operations");
+  write_bodies(fmt::format("_{}", epoch_));
+  std::string what = operation_(scene_, state_.clock.stage, state_, inherited_);
+  ++epoch_;
+  state_.contacts = ContactList{};
+  const PhaseTimes times = scratch_.times;
+  scratch_ = Scratch();
+  scratch_.times = times;
+  state_.remnant.assign(state_.bodies.size(), 1);
+  state_.ledger.rebase = true;
+  prepare_bodies();
+  write_bodies("");
+  add_snapshot();
+  return what;
+}
+
+StageReport Run::end_stage(std::string what, double seconds) {
+  ScopedTimer timer(scratch_.times[static_cast<std::size_t>(Phase::output)]);
+  StageReport report = measure(state_, link_gap_, scene_.output.interior);
+  report.name = scene_.stages[state_.clock.stage].name;
+  report.what = std::move(what);
+  report.seconds = seconds;
+  stages_done_.push_back(report);
+  results_.write_static("stages", stages_done_.table());
+  return report;
+}
+
+bool Run::quiet() const {
+  if (state_.clock.stage_time() < 0.1 * physics_.duration) return false;
+  const auto& [energy, speed] = std::pair(physics_.quiet_energy, physics_.quiet_speed);
+  return (energy && last_.agitation < *energy * std::abs(last_.gravitational)) ||
+         (speed && last_.agitation < 0.5 * physics_.body_mass * *speed * *speed);
+}
+
 void Run::start_stage() {
   Clock& clock = state_.clock;
+  set_walls(scene_, clock.stage, walls_, state_.stage_starts, state_.walls);
   const double k_n = resolve_stiffness(scene_, clock.stage, state_.bodies, state_.walls.walls);
   physics_ = resolve_physics(scene_, clock.stage, state_.bodies, k_n);
   begin_stage(physics_, inherited_, state_, scratch_);
@@ -150,7 +220,7 @@ void Run::start_stage() {
   if (control.active) control.failed = false;
   look();
   if (control.active) control.start_ratio = last_.c_over_a;
-  if (clock.total_steps == 0) add_snapshot();
+  if (clock.total_steps == 0 && epoch_ == 0) add_snapshot();
 }
 
 void Run::look() {
@@ -176,6 +246,11 @@ void Run::add_snapshot() {
       ++touching[state_.contacts.pair(slot).i];
       ++touching[state_.contacts.pair(slot).j];
     }
+  if (state_.clock.steps == 0)  // after an operation
+    for (const ContactRecord& c : inherited_) {
+      ++touching[c.i];
+      ++touching[c.j];
+    }
   FieldTable table = motion_fields(state_.bodies);
   table.front() = {"position", "m", "centre of mass, from origin", &display.bodies, "body"};
   table.push_back({"origin", "m", "of the positions here, from the zero of /frame", &display.origin});
@@ -188,7 +263,7 @@ void Run::add_snapshot() {
   table.push_back({"sphere_contacts", "", "number of touching spheres", &touching, "sphere"});
   table.push_back({"period", "s", "spin period of the largest remnant", &last_.period});
   table.push_back({"failed", "", "the pile has failed", &state_.control.failed});
-  results_.add_snapshot(state_.clock.time(), scene_.stages[state_.clock.stage].name, table);
+  results_.add_snapshot(state_.clock.time(), scene_.stages[state_.clock.stage].name, table, epoch_);
 }
 
 void Run::commit(bool last) {
@@ -196,7 +271,7 @@ void Run::commit(bool last) {
   ContactColumns contacts;
   WallColumns walls;
   contacts.assign(state_.clock.steps > 0 ? state_.contacts.records() : inherited_);
-  walls.assign(state_.walls.contacts);
+  walls.assign(state_.clock.steps > 0 ? state_.walls.numbered_contacts() : state_.walls.contacts);
   const FieldTable table = checkpoint_fields(state_, contacts, walls);
   if (last)
     results_.finish(table, kFinished);
@@ -205,42 +280,61 @@ void Run::commit(bool last) {
   write_xdmf(results_);
 }
 
-RunEnd Run::advance(const std::function<bool(const Run&)>& watch) {
+RunEnd Run::advance(const std::function<bool(const Run&)>& watch,
+                    const std::function<void(const StageReport&)>& report) {
   Clock& clock = state_.clock;
   double last_watch = wall_seconds(), last_commit = last_watch;
   try {
     for (;;) {
-      if (clock.steps == 0) {
-        start_stage();
-        if (clock.total_steps == 0) commit(false);
-      }
-      bool over = false;
-      while (!over) {
-        step(physics_, state_, scratch_);
-        const bool end = clock.step == clock.steps;
-        const bool picture = end || due(clock, physics_.snapshot_interval);
-        const bool row = picture || due(clock, physics_.series_interval);
-        if (row) look();
-        over = end || failed_long_ago();
-        if (over && !row) look();
-        if (over || picture) add_snapshot();
-        const double now = wall_seconds();
-        if (now - last_watch < kWatchInterval) continue;
-        last_watch = now;
-        if (!watch(*this)) {
-          if (!over) {
+      const double start = wall_seconds();
+      std::string what;
+      if (scene_.stages[clock.stage].operates()) {
+        begin();
+        what = operate();
+      } else {
+        if (clock.steps == 0) {
+          begin();
+          start_stage();
+          if (clock.total_steps == 0) commit(false);
+        }
+        for (bool over = false; !over;) {
+          step(physics_, state_, scratch_);
+          const bool end = clock.step == clock.steps;
+          const bool picture = end || due(clock, physics_.snapshot_interval);
+          const bool row = picture || due(clock, physics_.series_interval);
+          if (row) look();
+          if (end) what = "the end of its duration";
+          if (row && !end && quiet()) what = fmt::format("quiet after {:.6g} s", clock.stage_time());
+          if (!end && failed_long_ago()) what = "some time after failure";
+          over = !what.empty();
+          if (over && !row) look();
+          if (over || picture) add_snapshot();
+          const double now = wall_seconds();
+          if (now - last_watch < kWatchInterval) continue;
+          last_watch = now;
+          if (!watch(*this)) {
+            if (!over) {
+              commit(false);
+              return RunEnd::interrupted;
+            }
+          } else if (now - last_commit > scene_.output.checkpoint_interval) {
             commit(false);
-            return RunEnd::interrupted;
+            last_commit = wall_seconds();
           }
-        } else if (now - last_commit > scene_.output.checkpoint_interval) {
-          commit(false);
-          last_commit = wall_seconds();
         }
       }
-      // Between stages: contacts wait for the next stage's stiffness.
+      const StageReport done = end_stage(std::move(what), wall_seconds() - start);
+      if (report) report(done);
+      // Between stages: contacts wait for the next stage's stiffness and walls.
       const bool last = clock.stage + 1 == scene_.stages.size();
       if (!last) {
-        inherited_ = state_.contacts.records();
+        if (clock.steps > 0) {
+          inherited_ = state_.contacts.records();
+          state_.walls.contacts = state_.walls.numbered_contacts();
+          state_.walls.number.clear();
+          state_.ledger.field_momentum += clock.stage_time() * physics_.body_mass * physics_.field;
+          if (!state_.walls.empty()) state_.ledger.rebase = true;
+        }
         clock.stage_start = clock.time();
         ++clock.stage;
         clock.step = clock.steps = 0;

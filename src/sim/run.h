@@ -7,24 +7,31 @@
 #include "sim/observe.h"
 #include "sim/physics.h"
 #include "sim/setup.h"
+#include "sim/stage_report.h"
 #include "sim/step.h"
 
 namespace cairn {
 
 enum class RunEnd { finished, interrupted };
 
+/// Does what a stage that operates asks for to the bodies and their contacts; returns what that was. Room
+/// pile supplies it.
+using Operation =
+    std::function<std::string(const Scene&, std::size_t stage, State&, std::vector<ContactRecord>&)>;
+
 class Run {
  public:
   /// A new run into `results`.
-  Run(Scene scene, Setup setup, ResultFile results);
+  Run(Scene scene, Setup setup, ResultFile results, Operation operation = {});
   /// Continues the run in `path`, bitwise as if it had not stopped.
   /// @throws InputError when the file is not a result file, has no checkpoint, or the run has finished.
-  static Run resume(const std::filesystem::path& path);
+  static Run resume(const std::filesystem::path& path, Operation operation = {});
 
   /// Runs to the end of the scene. `watch` is called about five times a second of wall-clock time; when it
-  /// returns false the run writes a checkpoint and stops.
+  /// returns false the run writes a checkpoint and stops. `report` is called at the end of each stage.
   /// @throws UnstableError when the physics leaves its bounds; the result file keeps everything until then.
-  RunEnd advance(const std::function<bool(const Run&)>& watch);
+  RunEnd advance(const std::function<bool(const Run&)>& watch,
+                 const std::function<void(const StageReport&)>& report = {});
 
   /// What looks wrong about the bodies' motion at the start.
   std::vector<std::string> warnings() const;
@@ -39,9 +46,16 @@ class Run {
   std::size_t stages() const { return scene_.stages.size(); }
 
  private:
-  Run(Scene scene, ResultFile results) : scene_(std::move(scene)), results_(std::move(results)) {}
+  Run(Scene scene, ResultFile results, Operation operation)
+      : scene_(std::move(scene)), results_(std::move(results)), operation_(std::move(operation)) {}
 
   void start_stage();
+  std::string operate();
+  void write_bodies(const std::string& suffix);
+  void begin();
+  void rebase();
+  bool quiet() const;
+  StageReport end_stage(std::string what, double seconds);
   void prepare_bodies();
   void look();
   bool failed_long_ago() const;
@@ -52,7 +66,11 @@ class Run {
   ResultFile results_;
   std::vector<std::string> shapes_;
   std::vector<ContactRecord> inherited_;  ///< contacts between two stages
-  double link_gap_ = 0.0;                 ///< m
+  std::vector<Wall> walls_;               ///< of the scene
+  StageColumns stages_done_;
+  Operation operation_;
+  std::uint64_t epoch_ = 0;  ///< operations done
+  double link_gap_ = 0.0;    ///< m
   State state_;
   Physics physics_;
   Scratch scratch_;

@@ -17,6 +17,7 @@ struct Setup {
   Box box;
   std::vector<std::string> shapes;      ///< name of each shape number
   std::vector<ContactRecord> contacts;  ///< of a pile read from a file
+  double region_volume = 0.0;           ///< m^3, see State
   double k_n = 0.0;                     ///< N/m, stiffness those contacts had; 0: none
 };
 

@@ -68,9 +68,11 @@ struct Ledger {
   double control_work = 0.0;             ///< J, done by spin control
   Vec3 control_momentum = Vec3::Zero();  ///< kg m^2/s, angular momentum given by spin control
   PerturberLedger perturbers;
-  double largest_overlap = 0.0;                ///< over the smaller radius of its pair, of the whole run
-  double recent_overlap = 0.0;                 ///< the same since the last row of the series
-  Vec3 start_momentum = Vec3::Zero();          ///< kg m/s, total at the start
+  Vec3 field_momentum = Vec3::Zero();  ///< kg m/s, given by uniform fields in former stages
+  bool rebase = false;                 ///< something other than these has changed the momenta: count anew
+  double largest_overlap = 0.0;        ///< over the smaller radius of its pair, of the whole run
+  double recent_overlap = 0.0;         ///< the same since the last row of the series
+  Vec3 start_momentum = Vec3::Zero();  ///< kg m/s, total at the start
   Vec3 start_angular_momentum = Vec3::Zero();  ///< kg m^2/s, total about the mass centre at the start
 };
 
@@ -87,6 +89,8 @@ struct State {
   Control control;
   Ledger ledger;
   double k_n = 0.0;                   ///< N/m, normal stiffness of the stage
+  double region_volume = 0.0;         ///< m^3, of the region last carved; 0: none
+  std::vector<double> stage_starts;   ///< s, of the stages that have begun
   std::vector<std::uint8_t> remnant;  ///< of each body: 1 when part of the largest remnant
   bool finished = false;
 };

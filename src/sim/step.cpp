@@ -250,6 +250,7 @@ void control_spin(const Physics& physics, State& state, Scratch& scratch) {
 
 void prepare_scratch(const Physics& physics, State& state, Scratch& scratch) {
   state.walls.set_laws(physics.materials, physics.wall_materials, physics.k_n);
+  scratch.wall_candidates = WallCandidates{};  // those of other walls, perhaps
   scratch.candidates.rebuild(state.bodies, rigid_motion(state), physics.contacts.features, state.contacts,
                              state.box);
   scratch.list_age = 0;

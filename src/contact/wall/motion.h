@@ -34,9 +34,10 @@ struct WallMotion {
   double phase = 0.0;             ///< rad
   Vec3 spin = Vec3::Zero();       ///< rad/s
   Vec3 center = Vec3::Zero();     ///< m, a point of the axis of rotation at time 0
+  double since = 0.0;             ///< s, time from which it moves so
 
   bool moves() const;
-  WallPose pose(double time) const;
+  WallPose pose(double now) const;
   /// The middle of a step of `dt` that ends at `end`, with the velocity and spin, (2 / dt) tan(angle / 2),
   /// that carry every point of the wall from its place before the step to that after it.
   WallPose mid_step(double end, double dt) const;

@@ -120,6 +120,37 @@ TEST(Cloud, DrawnSizesInvertTheDistribution) {
   EXPECT_EQ(draw_size(cloud, 0.5), 1.0);
 }
 
+TEST(Cloud, SizesFollowTheLogNormalDistributionBetweenTheLimits) {
+  CloudSpec cloud = mixture();
+  cloud.distribution = SizeDistribution::log_normal;
+  cloud.median = 1.6;
+  cloud.sigma = 0.5;
+  const auto normal = [](double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); };
+  const auto below = [&](double d) { return normal(std::log(d / 1.6) / 0.5); };
+  const std::vector<double> sizes = make(cloud, 2).length;
+  const double distance =
+      kolmogorov(sizes, [&](double d) { return (below(d) - below(1.0)) / (below(4.0) - below(1.0)); });
+  EXPECT_LT(distance, 1.63 / std::sqrt(500.0));  // 1 % level
+  EXPECT_NEAR(draw_size(cloud, 0.0), 1.0, 1e-12);
+  EXPECT_NEAR(draw_size(cloud, 1.0), 4.0, 1e-12);
+  for (const double u : {0.1, 0.5, 0.9})
+    EXPECT_NEAR((below(draw_size(cloud, u)) - below(1.0)) / (below(4.0) - below(1.0)), u, 1e-12);
+}
+
+TEST(Cloud, OfAHundredfoldRangeOfSizesHasNoOverlap) {
+  CloudSpec cloud = mixture();
+  cloud.shapes = {{"sphere", 1.0}};
+  cloud.count = 5000;
+  cloud.size_max = 100.0;
+  cloud.exponent = 2.0;
+  cloud.filling = 0.2;
+  const Bodies bodies = make(cloud, 1);
+  EXPECT_GT(*std::max_element(bodies.length.begin(), bodies.length.end()), 90.0);
+  for (std::size_t a = 0; a < bodies.size(); ++a)
+    for (std::size_t b = a + 1; b < bodies.size(); ++b)
+      ASSERT_GE((bodies.position[a] - bodies.position[b]).norm(), bodies.length[a] + bodies.length[b]);
+}
+
 TEST(Cloud, MovesAndTurnsAsOneBody) {
   const CloudSpec cloud = mixture();
   const Bodies bodies = make(cloud, 1);

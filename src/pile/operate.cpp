@@ -1,0 +1,187 @@
+#include "pile/operate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "analysis/budget.h"
+#include "body/cells.h"
+#include "body/select.h"
+#include "core/error.h"
+#include "core/parallel.h"
+#include "pile/region.h"
+
+namespace cairn {
+
+namespace {
+
+Region load_region(const RegionSpec& spec, const Scene& scene, const std::string& key) {
+  try {
+    return Region(spec, scene.directory);
+  } catch (const InputError& error) {
+    throw scene.sources.error(key + ".file", error.what());
+  }
+}
+
+/// 1 for each body that belongs to the region.
+std::vector<std::uint8_t> members(const Bodies& bodies, const Region& region, bool whole) {
+  const Vec3 centre = budget(bodies).center;
+  std::vector<std::uint8_t> in(bodies.size());
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    const Vec3 x = place(bodies, b, centre);
+    if (!whole) {
+      in[b] = region.distance(x) < 0.0;
+      return;
+    }
+    in[b] = 1;
+    for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1] && in[b]; ++s)
+      in[b] =
+          region.distance(x + bodies.orientation[b] * bodies.spheres.offset[s]) <= -bodies.spheres.radius[s];
+  });
+  return in;
+}
+
+void invert(std::vector<std::uint8_t>& flags) {
+  for (std::uint8_t& f : flags) f = !f;
+}
+
+std::size_t count(const std::vector<std::uint8_t>& flags) {
+  return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), 1));
+}
+
+std::string carve(const CarveSpec& spec, const Region& region, State& state,
+                  std::vector<ContactRecord>& contacts) {
+  std::vector<std::uint8_t> keep = members(state.bodies, region, spec.whole);
+  if (spec.outside) invert(keep);
+  const std::size_t before = state.bodies.size(), left = count(keep);
+  if (left == 0) throw InputError("no body is left");
+  const std::vector<std::uint32_t> number = select_bodies(state.bodies, keep);
+  std::erase_if(contacts,
+                [&](const ContactRecord& c) { return number[c.i] == kGone || number[c.j] == kGone; });
+  for (ContactRecord& c : contacts) {
+    c.i = number[c.i];
+    c.j = number[c.j];
+  }
+  std::vector<WallContact>& touching = state.walls.contacts;
+  std::erase_if(touching, [&](const WallContact& c) { return number[c.sphere] == kGone; });
+  for (WallContact& c : touching) c.sphere = number[c.sphere];
+  if (!spec.outside) state.region_volume = region.volume();
+  return fmt::format("{} of {} bodies stay, in {:.5g} m^3", left, before, region.volume());
+}
+
+/// Multiplies the mass of body b, at unchanged motion.
+void multiply_mass(Bodies& bodies, std::size_t b, double factor) {
+  bodies.mass[b] *= factor;
+  bodies.inertia[b] *= factor;
+  bodies.spin[b] *= factor;
+  for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s)
+    bodies.spheres.mass[s] *= factor;
+}
+
+/// Multiplies all lengths about the mass centre; masses, velocities and rates of rotation stay.
+void multiply_lengths(Bodies& bodies, double factor, std::vector<ContactRecord>& contacts) {
+  const Vec3 centre = budget(bodies).center;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    bodies.position[b] += (factor - 1.0) * place(bodies, b, centre);
+    bodies.volume[b] *= factor * factor * factor;
+    bodies.length[b] *= factor;
+    bodies.inertia[b] *= factor * factor;
+    bodies.spin[b] *= factor * factor;
+  }
+  for (double& radius : bodies.spheres.radius) radius *= factor;
+  for (Vec3& offset : bodies.spheres.offset) offset *= factor;
+  for (ContactRecord& c : contacts) c.memory.slide = factor * c.memory.slide;
+  settle_cells(bodies);
+  place_spheres(bodies);
+}
+
+std::string scale(const ScaleSpec& spec, State& state, std::vector<ContactRecord>& contacts) {
+  const double volume = spec.volume.value_or(state.region_volume);
+  if (!(volume > 0.0)) throw InputError("no region has been carved; expected a volume");
+  Bodies& bodies = state.bodies;
+  const double mass = budget(bodies).mass, bulk = mass / volume, ratio = spec.density / bulk;
+  state.region_volume = volume;
+  if (spec.by == ScaleBy::mass) {
+    for (std::size_t b = 0; b < bodies.size(); ++b) multiply_mass(bodies, b, ratio);
+    return fmt::format("masses x {:.5g}: bulk density {:.5g} -> {:.5g} kg/m^3", ratio, bulk, spec.density);
+  }
+  const double factor = 1.0 / std::cbrt(ratio);
+  multiply_lengths(bodies, factor, contacts);
+  state.walls.contacts.clear();  // walls stay where they are
+  state.region_volume *= factor * factor * factor;
+  return fmt::format("lengths x {:.5g}: bulk density {:.5g} -> {:.5g} kg/m^3", factor, bulk, spec.density);
+}
+
+std::string assign(const AssignSpec& spec, const Region& region, const Scene& scene, State& state) {
+  Bodies& bodies = state.bodies;
+  std::vector<std::uint8_t> chosen = members(bodies, region, false);
+  if (spec.outside) invert(chosen);
+  if (count(chosen) == 0) throw InputError("no body is {} the region", spec.outside ? "outside" : "in");
+  const auto material = std::find_if(scene.materials.begin(), scene.materials.end(),
+                                     [&](const Material& m) { return m.name == spec.material; });
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (!chosen[b]) continue;
+    if (spec.density) multiply_mass(bodies, b, *spec.density * bodies.volume[b] / bodies.mass[b]);
+    if (spec.density_factor) multiply_mass(bodies, b, *spec.density_factor);
+    if (material != scene.materials.end())
+      bodies.material[b] = static_cast<std::uint16_t>(material - scene.materials.begin());
+  }
+  return fmt::format("{} of {} bodies changed", count(chosen), bodies.size());
+}
+
+const char* kind_name(RegionKind kind) {
+  switch (kind) {
+    case RegionKind::ball:
+      return "a ball";
+    case RegionKind::ellipsoid:
+      return "an ellipsoid";
+    case RegionKind::box:
+      return "a box";
+    case RegionKind::mesh:
+      break;
+  }
+  return "a mesh";
+}
+
+std::string describe(const Region& region) {
+  return fmt::format("{} of {:.5g} m^3", kind_name(region.spec().kind), region.volume());
+}
+
+}  // namespace
+
+std::string describe_operation(const Scene& scene, std::size_t index) {
+  const StageSpec& stage = scene.stages[index];
+  const std::string key = fmt::format("stage[{}].", index);
+  if (stage.carve)
+    return fmt::format("carve: bodies {} {} stay, by {}", stage.carve->outside ? "outside" : "in",
+                       describe(load_region(stage.carve->region, scene, key + "carve.region")),
+                       stage.carve->whole ? "all of their spheres" : "their centres");
+  if (stage.scale)
+    return fmt::format("scale to {:g} kg/m^3 by {}", stage.scale->density,
+                       stage.scale->by == ScaleBy::mass ? "mass" : "size");
+  return fmt::format("assign: bodies {} {}", stage.assign->outside ? "outside" : "in",
+                     describe(load_region(stage.assign->region, scene, key + "assign.region")));
+}
+
+std::string operate(const Scene& scene, std::size_t index, State& state,
+                    std::vector<ContactRecord>& contacts) {
+  const StageSpec& stage = scene.stages[index];
+  const auto key = [&](const char* name) { return fmt::format("stage[{}].{}", index, name); };
+  const auto doing = [&](const std::string& where, auto&& work) {
+    try {
+      return work();
+    } catch (const InputError& error) {
+      throw scene.sources.error(where, error.what());
+    }
+  };
+  place_spheres(state.bodies);
+  if (stage.carve) {
+    const Region region = load_region(stage.carve->region, scene, key("carve.region"));
+    return doing(key("carve"), [&] { return carve(*stage.carve, region, state, contacts); });
+  }
+  if (stage.scale) return doing(key("scale"), [&] { return scale(*stage.scale, state, contacts); });
+  const Region region = load_region(stage.assign->region, scene, key("assign.region"));
+  return doing(key("assign"), [&] { return assign(*stage.assign, region, scene, state); });
+}
+
+}  // namespace cairn
