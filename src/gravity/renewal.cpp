@@ -34,6 +34,13 @@ void forecast(std::span<const Vec3> now, std::span<const Vec3> before, double ra
   parallel_for(now.size(), [&](std::size_t g) { out[g] = now[g] + ratio * (now[g] - before[g]); });
 }
 
+/// The pile's frame goes on from where it is at `time`.
+void look(HeldGravity& held, double time, const Vec3& omega) {
+  held.attitude = attitude_at(held, time).normalized();
+  held.time = time;
+  held.omega = omega;
+}
+
 std::array<PackVec, 3> rows(const Quat& rotation) {
   const Mat3 matrix = rotation.toRotationMatrix();
   return {spread(matrix.row(0)), spread(matrix.row(1)), spread(matrix.row(2))};
@@ -50,9 +57,10 @@ Quat attitude_at(const HeldGravity& held, double time) {
 
 void renew(HeldGravity& held, const Wrenches& now, std::span<const double> masses, double time,
            const Vec3& omega, double dt, bool forecasts, const std::function<std::uint64_t()>& steps) {
-  held.attitude = attitude_at(held, time).normalized();
-  held.time = time;
-  held.omega = omega;
+  const double passed = time - held.evaluated_time;
+  look(held, time, omega);
+  held.evaluated_time = time;
+  held.at_rest = false;
   const bool first = held.steps == 0, goes_on = held.steps > 1;
   if (!forecasts) {
     held.from = now;
@@ -65,14 +73,28 @@ void renew(HeldGravity& held, const Wrenches& now, std::span<const double> masse
     std::swap(held.from, held.to);
   else
     held.from = now;
-  const double former = held.interval;
   held.steps = steps();
   held.interval = static_cast<double>(held.steps) * dt;
-  const double ratio = first ? 0.0 : held.interval / former;
+  const double ratio = first ? 0.0 : held.interval / passed;
   const Wrenches& before = first ? now : held.evaluated;
   forecast(now.force, before.force, ratio, held.to.force);
   forecast(now.torque, before.torque, ratio, held.to.torque);
   held.evaluated = now;
+}
+
+bool rests(const HeldGravity& held, std::span<const Vec3> places, double reach) {
+  if (held.places.size() != places.size()) return false;
+  return parallel_sum(places.size(), 0, [&](std::size_t i) {
+           return (places[i] - held.places[i]).squaredNorm() <= reach * reach ? 0 : 1;
+         }) == 0;
+}
+
+void hold_on(HeldGravity& held, double time, const Vec3& omega, double dt, std::uint64_t steps) {
+  look(held, time, omega);
+  if (!held.at_rest) held.from = held.to;
+  held.at_rest = true;
+  held.steps = steps;
+  held.interval = static_cast<double>(steps) * dt;
 }
 
 SelfGravity::SelfGravity(const HeldGravity& held, double time, std::span<const Vec3> positions,
@@ -81,7 +103,7 @@ SelfGravity::SelfGravity(const HeldGravity& held, double time, std::span<const V
       positions_(positions),
       masses_(masses),
       turned_(rows(attitude_at(held, time))),
-      part_(held.interval > 0.0 && !held.to.force.empty() ? (time - held.time) / held.interval : 0.0),
+      part_(held.at_rest || held.to.force.empty() ? 0.0 : (time - held.time) / held.interval),
       balance_(positions, masses, [this](std::size_t g, std::size_t count) { return unbalanced(g, count); }) {
 }
 
@@ -102,7 +124,16 @@ void SelfGravity::get(std::size_t g, std::size_t count, Vec3* force, Vec3* torqu
   store(torque, w.torque, count);
 }
 
-std::uint64_t automatic_steps(const HeldGravity& held, double error, double shortest, double dt) {
+double reach_at_rest(double error, double scale, double fall_time) {
+  return 0.25 * error * scale * fall_time * fall_time;
+}
+
+std::uint64_t most_steps(double error, double shortest, double dt) {
+  return static_cast<std::uint64_t>(
+      std::max(1.0, std::floor(std::min(std::sqrt(error) * shortest / dt, 1e6))));
+}
+
+std::uint64_t automatic_steps(const HeldGravity& held, double error, std::uint64_t most) {
   // Evaluations that each err by `error`, independently, differ from their linear forecast by 2.4 times that.
   constexpr double kMost = 2.5, kFew = 1.5, kAim = 2.0;
   double steps = std::max(1.0, static_cast<double>(held.steps));
@@ -110,8 +141,7 @@ std::uint64_t automatic_steps(const HeldGravity& held, double error, double shor
     steps *= std::max(0.5, std::sqrt(kAim * error / held.miss));
   else if (held.miss < kFew * error)
     steps *= 2.0;
-  const double most = std::min(std::sqrt(error) * shortest / dt, 1e6);
-  return static_cast<std::uint64_t>(std::max(1.0, std::min(std::floor(steps), std::floor(most))));
+  return std::clamp(static_cast<std::uint64_t>(std::floor(steps)), std::uint64_t{1}, most);
 }
 
 }  // namespace cairn::gravity

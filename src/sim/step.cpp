@@ -161,26 +161,32 @@ double shortest_change(const Physics& physics, const Bodies& bodies, const Rigid
   return std::min(physics.fall_time, 1.0 / std::sqrt(rate2.value));
 }
 
-/// Evaluates self-gravity anew.
+/// Evaluates self-gravity anew; with an interval of its own choice only when something has moved.
 void renew_gravity(const Physics& physics, State& state, Scratch& scratch) {
   const Bodies& bodies = state.bodies;
   gravity::HeldGravity& held = state.gravity;
   const double time = state.clock.time(), dt = physics.contacts.dt;
   const RigidMotion pile = rigid_motion(state);
   place_in_pile(bodies, pile.center, gravity::attitude_at(held, time), scratch);
-  attract(physics, bodies, scratch);
-  if (physics.gravity == GravityMethod::tree) {
+  const bool automatic = physics.gravity_steps == 0;
+  const std::uint64_t most =
+      automatic ? gravity::most_steps(physics.error, shortest_change(physics, bodies, pile), dt) : 0;
+  if (automatic && gravity::rests(held, scratch.sphere_places,
+                                  gravity::reach_at_rest(physics.error, held.scale, physics.fall_time))) {
+    gravity::hold_on(held, time, pile.spin, dt, std::min(2 * held.steps, most));
+  } else {
+    attract(physics, bodies, scratch);
     held.scale = gravity::rms(scratch.acceleration);
-    set_tolerance(state, scratch);
+    if (physics.gravity == GravityMethod::tree) set_tolerance(state, scratch);
+    gravity::sum_groups(scratch.sphere_places, bodies.spheres.mass, bodies.first_sphere, scratch.acceleration,
+                        scratch.body_places, scratch.wrenches);
+    const auto steps = [&] {
+      return automatic ? gravity::automatic_steps(held, physics.error, most) : physics.gravity_steps;
+    };
+    gravity::renew(held, scratch.wrenches, bodies.mass, time, pile.spin, dt, physics.gravity_steps != 1,
+                   std::ref(steps));
+    if (automatic) held.places = scratch.sphere_places;
   }
-  gravity::sum_groups(scratch.sphere_places, bodies.spheres.mass, bodies.first_sphere, scratch.acceleration,
-                      scratch.body_places, scratch.wrenches);
-  const auto steps = [&] {
-    if (physics.gravity_steps > 0) return physics.gravity_steps;
-    return gravity::automatic_steps(held, physics.error, shortest_change(physics, bodies, pile), dt);
-  };
-  gravity::renew(held, scratch.wrenches, bodies.mass, time, pile.spin, dt, physics.gravity_steps != 1,
-                 std::ref(steps));
   held.due = state.clock.step + held.steps;
 }
 

@@ -18,8 +18,7 @@ Bodies cubic(const std::string& shape, int n, double spacing, double size, doubl
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
       for (int k = 0; k < n; ++k)
-        add_body(bodies, rigid, 0, k % 2 ? other : size, 1000.0, 0,
-                 {.position = spacing * Vec3(i, j, k)});
+        add_body(bodies, rigid, 0, k % 2 ? other : size, 1000.0, 0, {.position = spacing * Vec3(i, j, k)});
   return bodies;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "clouds.h"
+#include "gravity/accuracy.h"
 #include "gravity/direct.h"
 
 namespace cairn::gravity {
@@ -191,18 +192,77 @@ TEST(Renewal, AngularMomentumStaysOverManySteps) {
 
 TEST(AutomaticSteps, GrowsShrinksAndIsBounded) {
   HeldGravity held;
-  EXPECT_EQ(automatic_steps(held, 1e-4, 1000.0, 0.01), 2u);  // 1 step, and twice that
+  EXPECT_EQ(automatic_steps(held, 1e-4, 1000), 2u);  // 1 step, and twice that
   held.steps = 100;
   held.miss = 1e-4;
-  EXPECT_EQ(automatic_steps(held, 1e-4, 1000.0, 0.01), 200u);
-  EXPECT_EQ(automatic_steps(held, 1e-4, 1000.0, 0.1), 100u);  // sqrt(error) x 1000 s
-  EXPECT_EQ(automatic_steps(held, 1e-4, 0.01, 0.1), 1u);
+  EXPECT_EQ(automatic_steps(held, 1e-4, 1000), 200u);
+  EXPECT_EQ(automatic_steps(held, 1e-4, 120), 120u);
+  EXPECT_EQ(most_steps(1e-4, 1000.0, 0.1), 100u);  // sqrt(error) x 1000 s
+  EXPECT_EQ(most_steps(1e-4, 0.01, 0.1), 1u);
   held.miss = 2e-4;  // evaluations of that error differ by as much
-  EXPECT_EQ(automatic_steps(held, 1e-4, 1000.0, 0.01), 100u);
+  EXPECT_EQ(automatic_steps(held, 1e-4, 1000), 100u);
   held.miss = 4e-4;
-  EXPECT_EQ(automatic_steps(held, 1e-4, 1000.0, 0.01), 70u);
+  EXPECT_EQ(automatic_steps(held, 1e-4, 1000), 70u);
   held.miss = 1.0;
-  EXPECT_EQ(automatic_steps(held, 1e-4, 1000.0, 0.01), 50u);
+  EXPECT_EQ(automatic_steps(held, 1e-4, 1000), 50u);
+}
+
+// A pile that rests in its turning frame, and one grain that starts to move.
+TEST(Rest, EndsWhereOneGrainHasMovedTooFarForTheErrorAskedFor) {
+  Cloud cloud = ball(500);
+  const double density = 3000.0, radius = std::cbrt(cloud.mass[7] / (4.0 / 3.0 * kPi * density));
+  const double fall = 1.0 / std::sqrt(4.0 / 3.0 * kPi * kGravitationalConstant * density);
+  const Wrenches before = evaluated(cloud);
+  std::vector<Vec3> acceleration = before.force;
+  for (std::size_t i = 0; i < cloud.size(); ++i) acceleration[i] /= cloud.mass[i];
+  const double error = 1e-3, reach = reach_at_rest(error, rms(acceleration), fall);
+  HeldGravity held;
+  EXPECT_FALSE(rests(held, cloud.x, 1e9));
+  hold(held, before, cloud, Vec3::Zero(), 10);
+  held.places = cloud.x;
+  EXPECT_TRUE(rests(held, cloud.x, 0.0));
+  // Two grains in touch, the closest that sources can be: that far they change the pull by half of the error.
+  const double touch = 2.0 * radius, gm = kGravitationalConstant * cloud.mass[7];
+  const double change = gm / (touch * touch) - gm / ((touch + reach) * (touch + reach));
+  EXPECT_LT(change, 0.5 * error * rms(acceleration));
+  cloud.x[7] += Vec3(0.0, 0.99 * reach, 0.0);
+  EXPECT_TRUE(rests(held, cloud.x, reach));
+  EXPECT_LT(rms_error(evaluated(cloud).force, before.force), error);
+  cloud.x[7] += Vec3(0.0, 0.02 * reach, 0.0);
+  EXPECT_FALSE(rests(held, cloud.x, reach));
+  cloud.x[7].x() = std::nan("");
+  EXPECT_FALSE(rests(held, cloud.x, reach));
+}
+
+TEST(Rest, HoldsWhatTheForecastHasReachedAndTurnsOn) {
+  const Cloud cloud = ball(300);
+  Wrenches w = evaluated(cloud);
+  const Vec3 omega(0.0, 0.0, 1e-3);
+  HeldGravity held;
+  hold(held, w, cloud, omega, 10);
+  for (Vec3& f : w.force) f *= 1.001;
+  renew(held, w, cloud.mass, 10.0, omega, 1.0, true, [] { return std::uint64_t{10}; });
+  Cloud then = cloud;
+  const auto turn_to = [&](double time) {
+    for (std::size_t i = 0; i < cloud.size(); ++i) then.x[i] = turned(time * omega) * cloud.x[i];
+  };
+  turn_to(20.0);
+  const Wrenches reached = at(held, 20.0, then);
+  hold_on(held, 20.0, omega, 1.0, 30);
+  EXPECT_LT(rms_error(at(held, 20.0, then).force, reached.force), 1e-14);
+  turn_to(45.0);
+  const Wrenches later = at(held, 45.0, then);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    EXPECT_LT((turned(25.0 * omega) * reached.force[i] - later.force[i]).norm(),
+              1e-12 * reached.force[i].norm());
+  // From there the next evaluation goes on, with a trend of the time since the last one.
+  turn_to(50.0);
+  const Wrenches ended = at(held, 50.0, then);
+  for (Vec3& f : w.force) f *= 1.004;
+  renew(held, w, cloud.mass, 50.0, omega, 1.0, true, [] { return std::uint64_t{10}; });
+  EXPECT_LT(rms_error(at(held, 50.0, then).force, ended.force), 1e-14);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    EXPECT_NEAR(held.to.force[i].norm() / w.force[i].norm(), 1.0 + 0.001 / 1.004, 1e-9);
 }
 
 }  // namespace

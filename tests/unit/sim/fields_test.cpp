@@ -29,6 +29,9 @@ State state_of_many_numbers() {
       w->torque.push_back(vector());
     }
   }
+  for (int i = 0; i < 4; ++i) s.gravity.places.push_back(vector());
+  s.gravity.evaluated_time = number();
+  s.gravity.at_rest = true;
   s.gravity.interval = number();
   s.gravity.steps = 7;
   s.gravity.due = 35;
@@ -43,8 +46,8 @@ State state_of_many_numbers() {
   s.shift = {vector(), vector()};
   s.ledger = {number(), number(), number(),
               number(), vector(), {number(), vector(), vector(), {vector(), vector(), number()}},
-              number(), number(), vector(),
-              vector()};
+              vector(), true,     number(),
+              number(), vector(), vector()};
   s.k_n = number();
   return s;
 }
@@ -104,6 +107,9 @@ TEST(Checkpoint, HoldsTheWholeState) {
   EXPECT_EQ(r.gravity.to.torque, s.gravity.to.torque);
   EXPECT_EQ(r.gravity.evaluated.force, s.gravity.evaluated.force);
   EXPECT_EQ(r.gravity.evaluated.torque, s.gravity.evaluated.torque);
+  EXPECT_EQ(r.gravity.places, s.gravity.places);
+  EXPECT_EQ(r.gravity.evaluated_time, s.gravity.evaluated_time);
+  EXPECT_TRUE(r.gravity.at_rest);
   EXPECT_EQ(r.gravity.interval, s.gravity.interval);
   EXPECT_EQ(r.gravity.steps, s.gravity.steps);
   EXPECT_EQ(r.gravity.due, s.gravity.due);
