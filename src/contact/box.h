@@ -7,6 +7,8 @@
 
 namespace cairn {
 
+inline constexpr double kWidestBox = 1e12;  ///< m, of an edge
+
 /// The box at one time. Bodies have images one edge apart; they are followed through the images, not wrapped.
 struct Box {
   Vec3 edge = Vec3::Zero();  ///< m; 0: open in that direction

@@ -1,5 +1,7 @@
 #include "io/scene_keys.h"
 
+#include "contact/box.h"
+
 namespace cairn {
 namespace {
 
@@ -109,7 +111,7 @@ const Keys<Frame> kFrameKeys = {
 };
 
 const Keys<BoxSpec> kBoxKeys = {
-    vector("size", &BoxSpec::size, "m", within(0, 1e12),
+    vector("size", &BoxSpec::size, "m", within(0, kWidestBox),
            "edges along x, y, z; 0: open in that direction; all 0: those of the pile's box at its end"),
 };
 

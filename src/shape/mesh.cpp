@@ -233,6 +233,7 @@ TriangleMesh load_mesh(const std::filesystem::path& path, double unit, Welding* 
   std::ifstream file(path, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
   if (!file) throw InputError("{}: cannot be read", name);
+  if (bytes.empty()) throw InputError("{}: the file is empty", name);
   std::string kind = path.extension().string();
   if (!kind.empty()) kind.erase(0, 1);
   std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });

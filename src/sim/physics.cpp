@@ -182,6 +182,12 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   p.largest_radius = *std::max_element(bodies.spheres.radius.begin(), bodies.spheres.radius.end());
   p.spin = stage.spin;
   p.strain_rate = stage.strain_rate;
+  constexpr double most = 0.1;  // of an edge in a step
+  if (const double strain = p.strain_rate.cwiseAbs().maxCoeff() * dt; strain > most)
+    throw InputError(
+        "stage '{}': strain_rate changes the box by a part of {:.3g} in a step of {:.3g} s; at most {:g} can "
+        "be followed: give a smaller strain_rate or time_step",
+        stage.name, strain, dt, most);
   p.packing = stage.packing;
   p.quiet_energy = stage.quiet_energy;
   p.quiet_speed = stage.quiet_speed;

@@ -40,9 +40,12 @@ void strain_box(State& state, double dt) {
 
 void check_box(const Physics& physics, const State& state) {
   for (const double edge : state.box.edge) {
-    if (edge == 0.0 || edge > physics.least_edge) continue;
-    const std::string what = fmt::format(
-        "the periodic box is {:g} m wide; these bodies need more than {:g} m", edge, physics.least_edge);
+    if (edge == 0.0 || (edge > physics.least_edge && edge <= kWidestBox)) continue;
+    const std::string what =
+        edge > kWidestBox
+            ? fmt::format("the periodic box is {:g} m wide; it may be {:g} m at most", edge, kWidestBox)
+            : fmt::format("the periodic box is {:g} m wide; these bodies need more than {:g} m", edge,
+                          physics.least_edge);
     if (state.clock.total_steps == 0) throw InputError("{}", what);
     throw UnstableError("t = {:.6g} s: {}", state.clock.time(), what);
   }

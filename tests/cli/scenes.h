@@ -142,6 +142,33 @@ duration = 20
 snapshot_interval = 7
 )";
 
+/// A ball between two planes that close in on it, for a moment.
+inline const std::string kPress = R"(title = "Press"
+
+[[body]]
+shape = "sphere"
+size = 1
+density = 2000
+position = [0, 0, 0]
+
+[[wall]]
+kind = "plane"
+point = [0, 0, -1.001]
+velocity = [0, 0, 0.01]
+[[wall]]
+kind = "plane"
+point = [0, 0, 1.001]
+normal = [0, 0, -1]
+velocity = [0, 0, -0.01]
+
+[gravity]
+method = "none"
+
+[[stage]]
+name = "press"
+duration = 1
+)";
+
 /// Two spheres that meet; a run of a moment.
 inline const std::string kTwo = R"(title = "Two balls"
 

@@ -19,12 +19,13 @@ struct Section {
   std::string name, rows, rest;
 };
 
-/// Keeps the sections in the order of the tests and writes them when the program ends.
-class Book : public testing::Environment {
+/// Keeps the sections in the order of the tests; each entry is written at once, so that a run cut off leaves
+/// what it has shown.
+class Book {
  public:
   static Book& book() {
-    static Book* const only = dynamic_cast<Book*>(testing::AddGlobalTestEnvironment(new Book));
-    return *only;
+    static Book only;
+    return only;
   }
 
   Section& section() {
@@ -36,7 +37,7 @@ class Book : public testing::Environment {
 
   const char* folder() const { return std::getenv("CAIRN_REPORT"); }
 
-  void TearDown() override {
+  void write() const {
     if (!folder()) return;
     std::ofstream out(std::filesystem::path(folder()) / "tables.md");
     for (const Section& s : sections_) {
@@ -52,9 +53,6 @@ class Book : public testing::Environment {
   std::vector<Section> sections_;
 };
 
-// gtest takes environments before the tests start.
-[[maybe_unused]] const Book& kBook = Book::book();
-
 /// Text for a cell of a table: a bar would end the cell.
 std::string cell(const std::string& text) {
   std::string out;
@@ -66,6 +64,7 @@ void row(const std::string& claim, const std::string& against, const std::string
          const std::string& measured, const std::string& difference, const std::string& tolerance) {
   Book::book().section().rows += fmt::format("| {} | {} | {} | {} | {} | {} |\n", cell(claim), cell(against),
                                              expected, measured, difference, tolerance);
+  Book::book().write();
 }
 
 }  // namespace
@@ -99,14 +98,16 @@ void within(const std::string& claim, const std::string& against, double measure
 
 void note(const std::string& text) {
   Book::book().section().rest += "\n" + text + "\n";
+  Book::book().write();
 }
 
 void plot(const std::string& name, const std::string& caption, const Axes& axes,
           const std::vector<Curve>& curves) {
-  const Book& book = Book::book();
+  Book& book = Book::book();
   if (!book.folder()) return;
   std::ofstream(std::filesystem::path(book.folder()) / (name + ".svg")) << svg(axes, curves);
-  Book::book().section().rest += fmt::format("\n![{0}](validation/{1}.svg)\n\n*{0}*\n", caption, name);
+  book.section().rest += fmt::format("\n![{0}](validation/{1}.svg)\n\n*{0}*\n", caption, name);
+  book.write();
 }
 
 }  // namespace cairn::report

@@ -15,18 +15,35 @@ constexpr double kFriction = 0.8, kRolling = 1.05, kTwisting = 1.3;
 const double kHalf = 1.0 + std::sqrt(0.75);                     // half the length of a dumbbell
 const Quat kUpright(std::sqrt(0.5), 0.0, std::sqrt(0.5), 0.0);  // dumbbell along z
 
-enum class Pairing { spheres, wall, dumbbells };
+enum class Pairing { spheres, wall, dumbbells, dumbbell_on_wall };
 constexpr Pairing kAllPairings[] = {Pairing::spheres, Pairing::wall, Pairing::dumbbells};
 
 std::string name(Pairing pairing) {
-  return pairing == Pairing::spheres ? "two spheres"
-         : pairing == Pairing::wall  ? "sphere on wall"
-                                     : "two dumbbells end to end";
+  switch (pairing) {
+    case Pairing::spheres:
+      return "two spheres";
+    case Pairing::wall:
+      return "sphere on wall";
+    case Pairing::dumbbells:
+      return "two dumbbells end to end";
+    case Pairing::dumbbell_on_wall:
+      return "upright dumbbell on wall";
+  }
+  return "";
+}
+
+bool on_wall(Pairing pairing) {
+  return pairing == Pairing::wall || pairing == Pairing::dumbbell_on_wall;
 }
 
 /// Effective radius of the contact (m).
 double effective_radius(Pairing pairing) {
-  return pairing == Pairing::wall ? 1.0 : 0.5;
+  return on_wall(pairing) ? 1.0 : 0.5;
+}
+
+/// From the contact to the centre of a body (m).
+double height(Pairing pairing) {
+  return pairing == Pairing::spheres || pairing == Pairing::wall ? 1.0 : kHalf;
 }
 
 /// Body 0 above body 1 or a wall, on the z axis.
@@ -41,6 +58,9 @@ std::string stack(Pairing pairing) {
                    .position = {0.0, 0.0, 2.0 * kHalf - kOverlap},
                    .orientation = kUpright}) +
              body({.shape = "dumbbell", .orientation = kUpright});
+    case Pairing::dumbbell_on_wall:
+      return body({.shape = "dumbbell", .position = {0.0, 0.0, kHalf - kOverlap}, .orientation = kUpright}) +
+             wall();
   }
   return "";
 }
@@ -109,7 +129,8 @@ TEST(RollingAndTwisting, SpheresTwistingOnEachOtherEndWithOneSpin) {
       "frequencies (factor sqrt 2).");
 }
 
-/// A free oscillation of a contact that cohesion holds together without any other force.
+/// A free oscillation of a contact that cohesion holds together without any other force. On a wall a body
+/// that rolls would slip as well: there the mode is that without friction.
 struct Mode {
   Pairing pairing;
   bool twist;
@@ -123,16 +144,16 @@ struct Mode {
   std::string name() const { return cairn::name(pairing) + (twist ? ", torsion" : ", rolling"); }
 };
 
-/// Bodies held by cohesion at kOverlap, where it balances the spring; friction never slips.
-Experiment bound(Pairing pairing, double restitution, double time_step) {
+/// Bodies held by cohesion at kOverlap, where it balances the spring; friction never slips, or there is none.
+Experiment bound(Pairing pairing, bool rough, double restitution, double time_step, double beta = kBeta) {
   const double radius = effective_radius(pairing);
   Experiment e(scene_text(
       {.restitution = restitution,
-       .friction = 1e3,
+       .friction = rough ? 1e3 : 0.0,
        .rolling = 1e3,
-       .twisting = 1e3,
-       .beta = kBeta,
-       .cohesion = kStiffness * kOverlap / std::pow(2.0 * kBeta * radius, 2)},
+       .twisting = rough ? 1e3 : 0.0,
+       .beta = beta,
+       .cohesion = kStiffness * kOverlap / std::pow(2.0 * beta * radius, 2)},
       fmt::format("stiffness = {}\ntime_step = {:.17g}\nunsafe_time_step = true", kStiffness, time_step), "",
       stack(pairing), 1e6 * time_step));
   e.begin();
@@ -141,17 +162,16 @@ Experiment bound(Pairing pairing, double restitution, double time_step) {
 
 /// The mode as the masses and the law of physics.md give it.
 Mode make_mode(Pairing pairing, bool twist, double restitution) {
-  const Experiment e = bound(pairing, restitution, 1e-4);
+  const Experiment e = bound(pairing, true, restitution, 1e-4);
   const Bodies& bodies = e.state.bodies;
   const double radius = effective_radius(pairing), patch2 = std::pow(kBeta * radius, 2);
   Mode mode{pairing, twist, 0.0, 0.0, 0.0, twist ? Vec3::UnitZ() : Vec3(0.6, 0.8, 0.0)};
   double mobility = 0.0, normal = 0.0, tangential = 0.0;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const Vec3& i = bodies.inertia[b];  // of a dumbbell: the axis has the least
-    const double arm = pairing == Pairing::dumbbells ? kHalf : 1.0;
     mobility += 1.0 / (twist ? i[0] : i[2]);
     normal += 1.0 / bodies.mass[b];
-    tangential += 1.0 / bodies.mass[b] + arm * arm / i[2];
+    tangential += 1.0 / bodies.mass[b] + std::pow(height(pairing), 2) / i[2];
   }
   mode.inertia = 1.0 / mobility;
   const double k_s = 2.0 / 7.0 * kStiffness, log_e = std::log(restitution);
@@ -164,7 +184,8 @@ Mode make_mode(Pairing pairing, bool twist, double restitution) {
 
 /// Starts the mode from a relaxed spring with relative spin `rate`.
 Experiment start(const Mode& mode, double restitution, double steps_per_period, double rate) {
-  Experiment e = bound(mode.pairing, restitution, 2.0 * kPi / mode.omega() / steps_per_period);
+  const bool rough = mode.twist || !on_wall(mode.pairing);
+  Experiment e = bound(mode.pairing, rough, restitution, 2.0 * kPi / mode.omega() / steps_per_period);
   Bodies& bodies = e.state.bodies;
   if (bodies.size() == 1) {
     lead(e, 0, Vec3::Zero(), rate * mode.axis);
@@ -177,26 +198,26 @@ Experiment start(const Mode& mode, double restitution, double steps_per_period, 
   return e;
 }
 
-double relative_spin(const Experiment& e, const Mode& mode) {
+double relative_spin(const Experiment& e, const Vec3& axis) {
   const Bodies& bodies = e.state.bodies;
-  const double first = angular_velocity(bodies, 0).dot(mode.axis);
-  return bodies.size() > 1 ? first - angular_velocity(bodies, 1).dot(mode.axis) : first;
+  const double first = angular_velocity(bodies, 0).dot(axis);
+  return bodies.size() > 1 ? first - angular_velocity(bodies, 1).dot(axis) : first;
 }
 
-/// Angular frequency and decay rate over ten periods: from the zeros of the relative spin, and its slopes
+constexpr int kPerPeriod = 300;
+
+/// Angular frequency and decay rate over some periods: from the zeros of the relative spin, and its slopes
 /// there.
 struct Measured {
   double omega, decay;
 };
-Measured measure(const Mode& mode, double restitution) {
-  constexpr int per_period = 300;
-  Experiment e = start(mode, restitution, per_period, 1e-6);
+Measured measure(Experiment e, const Vec3& axis, int periods) {
   const double dt = e.physics.contacts.dt;
-  double before = relative_spin(e, mode), first = 0.0, last = 0.0, first_slope = 0.0, last_slope = 0.0;
+  double before = relative_spin(e, axis), first = 0.0, last = 0.0, first_slope = 0.0, last_slope = 0.0;
   int zeros = 0;
-  for (int k = 0; k < (restitution < 1.0 ? 4 : 10) * per_period; ++k) {
+  for (int k = 0; k < periods * kPerPeriod; ++k) {
     e.advance(1);
-    const double now = relative_spin(e, mode);
+    const double now = relative_spin(e, axis);
     if (before * now < 0.0) {
       last = (k + before / (before - now)) * dt;
       last_slope = std::abs(now - before);
@@ -210,39 +231,91 @@ Measured measure(const Mode& mode, double restitution) {
   return {kPi * (zeros - 1) / (last - first), std::log(first_slope / last_slope) / (last - first)};
 }
 
+int periods(double restitution) {
+  return restitution < 1.0 ? 4 : 10;
+}
+
+/// What an undamped oscillation loses of its energy.
+void report_loss(const std::string& what, Experiment e) {
+  const double before = e.kinetic_energy(), stored = e.spring_energy();
+  e.advance(2 * kPerPeriod);
+  report::error(what + ", undamped: energy lost in two periods at 300 steps a period, relative", "conserved",
+                std::abs(mechanical_energy(e) - stored - before) / before, 1e-5);
+}
+
 TEST(RollingAndTwisting, SmallOscillationsHaveTheFrequencyAndDecayOfTheLaw) {
   std::vector<report::Curve> curves;
   for (const auto& [pairing, twist] : {std::pair(Pairing::spheres, true),
                                        {Pairing::spheres, false},
                                        {Pairing::wall, true},
+                                       {Pairing::wall, false},
                                        {Pairing::dumbbells, true},
-                                       {Pairing::dumbbells, false}}) {
+                                       {Pairing::dumbbells, false},
+                                       {Pairing::dumbbell_on_wall, true},
+                                       {Pairing::dumbbell_on_wall, false}}) {
     for (const double restitution : {1.0, 0.8, 0.55}) {
       const Mode mode = make_mode(pairing, twist, restitution);
-      const Measured m = measure(mode, restitution);
+      const Measured m = measure(start(mode, restitution, kPerPeriod, 1e-6), mode.axis, periods(restitution));
       const std::string what = fmt::format("{}, e = {}", mode.name(), restitution);
       report::close(what + ": frequency, rad/s", "sqrt(k/J - (C/2J)^2)", m.omega, mode.omega(), 1e-3);
       if (restitution < 1.0) report::close(what + ": decay, 1/s", "C / 2J", m.decay, mode.decay(), 1e-3);
     }
     const Mode mode = make_mode(pairing, twist, 1.0);
-    Experiment e = start(mode, 1.0, 300, 1e-6);
-    const double before = e.kinetic_energy(), stored = e.spring_energy();
-    e.advance(600);
-    report::error(mode.name() + ", undamped: energy lost in two periods at 300 steps a period, relative",
-                  "conserved", std::abs(e.kinetic_energy() + e.spring_energy() - stored - before) / before,
-                  1e-5);
-    if (pairing == Pairing::wall) continue;
+    report_loss(mode.name(), start(mode, 1.0, kPerPeriod, 1e-6));
+    if (on_wall(pairing)) continue;
     const Mode damped = make_mode(pairing, twist, 0.8);
-    Experiment run = start(damped, 0.8, 300, 1e-6);
+    Experiment run = start(damped, 0.8, kPerPeriod, 1e-6);
     report::Curve curve{mode.name(), {}, {}};
-    for (int k = 0; k <= 900; k += 10, run.advance(10)) {
-      curve.x.push_back(k / 300.0);
-      curve.y.push_back(relative_spin(run, damped) / 1e-6);
+    for (int k = 0; k <= 3 * kPerPeriod; k += 10, run.advance(10)) {
+      curve.x.push_back(k / static_cast<double>(kPerPeriod));
+      curve.y.push_back(relative_spin(run, damped.axis) / 1e-6);
     }
     curves.push_back(curve);
   }
   report::plot("torsion-rolling", "Free torsion and rolling of bodies bound by cohesion, e = 0.8.",
                {"periods", "relative spin / start"}, curves);
+}
+
+TEST(RollingAndTwisting, ASphereRocksOnARoughWallAsItsTwoSpringsSay) {
+  // Displacements x of the centre and y = r theta of the surface: M x'' = -k_S (x - y),
+  // I / r^2 y'' = k_S (x - y) - k_R / r^2 y. All dashpots are one multiple of their springs, so each mode
+  // decays alone. In the slow one the sphere rolls, x = y but for the little that the spring k_S gives way.
+  const Vec3 axis(0.6, 0.8, 0.0);
+  const double mass = 2000.0 * 4.0 / 3.0 * kPi, inertia = 0.4 * mass, k_s = 2.0 / 7.0 * kStiffness;
+  for (const double beta : {kBeta, 0.03})
+    for (const bool rolls : {true, false})
+      for (const double restitution : {1.0, 0.8, 0.55}) {
+        const double k_r = kStiffness * beta * beta;
+        // M I square^2 - middle square + k_S k_R = 0 for square = omega^2, r = 1
+        const double middle = mass * (k_s + k_r) + inertia * k_s;
+        const double root = std::sqrt(middle * middle - 4.0 * mass * inertia * k_s * k_r);
+        const double square =
+            rolls ? 2.0 * k_s * k_r / (middle + root) : (middle + root) / (2.0 * mass * inertia);
+        const double log_e = std::log(restitution);
+        const double decay =
+            -log_e / std::sqrt(kPi * kPi + log_e * log_e) * std::sqrt(mass / kStiffness) * square;
+        const double omega = std::sqrt(square - decay * decay);
+        const auto start_rocking = [&] {
+          Experiment e = bound(Pairing::wall, true, restitution, 2.0 * kPi / omega / kPerPeriod, beta);
+          const double rate = 1e-7, speed = rate * k_s / (k_s - mass * square);
+          lead(e, 0, speed * axis.cross(Vec3::UnitZ()), rate * axis);
+          e.begin();
+          return e;
+        };
+        const std::string what =
+            fmt::format("sphere {} a rough wall, beta = {}", rolls ? "rolling on" : "shaking against", beta);
+        const Measured m = measure(start_rocking(), axis, periods(restitution));
+        const std::string damped = fmt::format("{}, e = {}", what, restitution);
+        const char* const form = "mode of the springs k_S and k_R, damped";
+        report::close(damped + ": frequency, rad/s", form, m.omega, omega, 1e-3);
+        if (restitution < 1.0)
+          report::close(damped + ": decay, 1/s", form, m.decay, decay, 1e-3);
+        else
+          report_loss(what, start_rocking());
+        if (rolls && beta < kBeta && restitution == 1.0)
+          report::close(what + ": frequency, rad/s", "rolling without slip, sqrt(k_R / (I + M r^2))", m.omega,
+                        std::sqrt(k_r / (inertia + mass)), 1e-3);
+      }
 }
 
 /// Deviation of the relative spin from the damped oscillator after 2.3 periods, over the first amplitude.
@@ -253,7 +326,7 @@ double spin_error(const Mode& mode, double restitution, int per_period) {
   const double t = e.state.clock.time(), phase = mode.omega() * t;
   const double exact =
       std::exp(-mode.decay() * t) * (std::cos(phase) - mode.decay() / mode.omega() * std::sin(phase));
-  return std::abs(relative_spin(e, mode) / rate - exact);
+  return std::abs(relative_spin(e, mode.axis) / rate - exact);
 }
 
 /// The same for the normal and the tangential spring of a sphere on a wall, from its contact velocity.

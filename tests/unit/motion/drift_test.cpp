@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/random.h"
 #include "shape/library.h"
 
@@ -26,6 +28,38 @@ TEST(Drift, FreeBodiesMoveByTheirVelocityHoweverManySteps) {
     // Places of 100 m are told to 1.4e-14 m; steps rounded one by one go astray by up to 1e-9.
     EXPECT_LT((bodies.position[b] - (start[b] + way)).norm(), 5e-14) << b;
     EXPECT_LT(bodies.remainder[b].norm(), 2e-14) << b;
+  }
+}
+
+TEST(Drift, BodiesTurnAboutAPrincipalAxisByTheWholeAngle) {
+  const RigidShape slab = make_rigid(load_shape("slab", "."), MassModel::spheres),
+                   ball = make_rigid(load_shape("sphere", "."), MassModel::spheres);
+  constexpr double dt = 0.25;
+  Bodies bodies;
+  std::vector<Vec3> about;  // axis in space times angle
+  Random random(7, 0);
+  for (const RigidShape& shape : {slab, ball})
+    for (const double angle : {1e-6, 0.01, 0.3, 0.5, 1.5, 2.5})
+      for (int axis = 0; axis < 3; ++axis) {
+        const Quat attitude = random.rotation();
+        about.push_back(angle * (attitude * shape.axes * Vec3::Unit(axis)));
+        add_body(bodies, shape, 0, 1.0, 1.0, 0,
+                 {.orientation = attitude, .angular_velocity = about.back() / dt});
+      }
+  const std::vector<Quat> before = bodies.orientation;
+  std::vector<Vec3> spin_mid;
+  drift(bodies, dt, spin_mid);
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const double angle = about[b].norm();
+    const Vec3 axis = about[b] / angle, rate = 2.0 / dt * std::tan(0.5 * angle) * axis;
+    EXPECT_LT((spin_mid[b] - rate).norm(), 1e-14 * rate.norm()) << b;
+    const Quat alone = rotate_free_top(before[b], bodies.spin[b], bodies.inertia[b], dt);
+    const Quat turned = Quat(Eigen::AngleAxisd(angle, axis)) * before[b];
+    EXPECT_NEAR(std::abs(alone.dot(turned)), 1.0, 2e-15) << b;
+    EXPECT_LT((alone.conjugate() * turned).vec().norm(), 2e-15) << b;
+    if (bodies.sphere_count(b) > 1) {
+      EXPECT_LT((bodies.orientation[b].conjugate() * turned).vec().norm(), 2e-15) << b;
+    }
   }
 }
 

@@ -124,9 +124,9 @@ TEST(Mesh, BadFilesAreRefusedInOneLine) {
   const std::string missing = (folder / "none.stl").string();
   EXPECT_EQ(error_of(missing), missing + ": no such mesh file");
   refused("a.step", "ISO-10303-21;", "expected .obj, .stl, .ply or .off");
-  refused("empty.obj", "", "not a valid mesh");
+  refused("empty.obj", "", "the file is empty");
   refused("words.ply", "not a mesh at all", "not a valid mesh");
-  refused("zero.off", "", "not a valid mesh");
+  refused("zero.off", "", "the file is empty");
   // A vertex list twice: the reader would write beyond its memory.
   refused("twice.ply",
           "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"

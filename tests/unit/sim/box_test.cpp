@@ -119,7 +119,7 @@ TEST(Box, StrainEndsAtThePackingFractionAskedFor) {
   EXPECT_EQ(c.state.box.edge, edge);
 }
 
-TEST(Box, TooSmallForItsBodiesIsRefused) {
+TEST(Box, TooSmallOrTooWideOrTooFastIsRefused) {
   Case small("[box]\nsize = [5, 20, 20]\n", "");
   small.add("sphere", {});
   EXPECT_THROW(small.begin(), InputError);
@@ -127,6 +127,14 @@ TEST(Box, TooSmallForItsBodiesIsRefused) {
   shrinking.add("sphere", {});
   shrinking.begin();
   EXPECT_THROW(shrinking.advance(100000), UnstableError);
+  Case growing("[box]\nsize = [7, 20, 20]\n", "strain_rate = [0, 10, 0]\n");
+  growing.add("sphere", {});
+  growing.begin();
+  EXPECT_THROW(growing.advance(100000), UnstableError);
+  EXPECT_LT(growing.state.box.edge.y(), 2e12);
+  Case fast("[box]\nsize = [9, 20, 20]\n", "strain_rate = [0, 0, -1e3]\n");
+  fast.add("sphere", {});
+  EXPECT_THROW(fast.begin(), InputError);  // of one step
   Case away("[box]\nsize = [9, 20, 20]\n", "strain_rate = [1, 0, 0]\npacking = 0.5\n");
   away.add("sphere", {});
   EXPECT_THROW(away.begin(), InputError);
