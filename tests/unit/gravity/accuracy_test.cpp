@@ -46,14 +46,32 @@ Cloud many_sizes() {
   return cloud;
 }
 
+/// A cube of 10 x 10 x 10 glued points, 2 apart, with its lowest corner at `corner`.
+std::vector<Vec3> cube(const Vec3& corner) {
+  std::vector<Vec3> x;
+  for (int i = 0; i < 10; ++i)
+    for (int j = 0; j < 10; ++j)
+      for (int k = 0; k < 10; ++k) x.push_back(corner + 2.0 * Vec3(i, j, k));
+  return x;
+}
+
+/// Six such cubes side by side, loose points all about.
+Cloud cubes() {
+  Cloud cloud;
+  for (int c = 0; c < 6; ++c) cloud.add_group(cube(20.0 * Vec3(c % 3, c / 3, 0)), 1e4);
+  Random random(6, 0);
+  for (int i = 0; i < 500; ++i) add(cloud, Vec3(30, 20, 30) + 10.0 * random.in_ball(), 1e4);
+  return cloud;
+}
+
 TEST(Accuracy, ErrorAskedForIsMetInEveryDistribution) {
   struct Case {
     const char* name;
     Cloud cloud;
   };
-  for (const Case& c :
-       {Case{"ball", ball(kPoints)}, Case{"aggregates", ball(kPoints, 6)}, Case{"shell", shell()},
-        Case{"far pair", far_pair()}, Case{"halo", pile_with_halo()}, Case{"sizes", many_sizes()}}) {
+  for (const Case& c : {Case{"ball", ball(kPoints)}, Case{"aggregates", ball(kPoints, 6)},
+                        Case{"shell", shell()}, Case{"far pair", far_pair()}, Case{"halo", pile_with_halo()},
+                        Case{"sizes", many_sizes()}, Case{"cubes of a thousand", cubes()}}) {
     std::vector<Vec3> exact(c.cloud.size()), fast(c.cloud.size());
     DirectSum().evaluate(c.cloud.points(), exact);
     for (const double asked : {1e-2, 1e-3, 1e-4, 1e-6}) {
@@ -65,6 +83,25 @@ TEST(Accuracy, ErrorAskedForIsMetInEveryDistribution) {
       EXPECT_LE(rms_error(fast, exact), 1.5 * asked) << c.name;
       EXPECT_LE(quantile_error(fast, exact, 0.999), 10.0 * asked) << c.name;
     }
+  }
+}
+
+// A cube of a thousand glued points would pull its own points a million times as strongly as the grain beside
+// it does.
+TEST(Accuracy, NothingOfABodysOwnPullComesThrough) {
+  Cloud cloud;
+  cloud.add_group(cube(Vec3::Zero()), 1e6);
+  add(cloud, {23.0, 9.0, 9.0}, 1e3);
+  std::vector<Vec3> exact(cloud.size()), fast(cloud.size());
+  DirectSum().evaluate(cloud.points(), exact);
+  for (const double asked : {1e-1, 1e-2, 1e-3, 1e-4, 1e-6}) {
+    const Accuracy a = choose_accuracy(cloud.points(), asked);
+    Fmm method(a.settings);
+    method.set_tolerance(a.factor * rms(exact));
+    method.evaluate(cloud.points(), fast);
+    std::vector<Vec3> on_cube(fast.begin(), fast.end() - 1), exact_on_cube(exact.begin(), exact.end() - 1);
+    EXPECT_LE(rms_error(on_cube, exact_on_cube), asked);
+    EXPECT_LE(rms_error({fast.back()}, {exact.back()}), asked);
   }
 }
 
