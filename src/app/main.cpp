@@ -7,10 +7,10 @@
 #include "app/commands.h"
 #include "app/run_loop.h"
 #include "core/error.h"
-#include "core/huge_pages.h"
+#include "core/runtime.h"
 
 int main(int argc, char** argv) {
-  cairn::use_huge_pages(argv);
+  cairn::tune_runtime(argv);
   spdlog::set_default_logger(spdlog::stderr_color_st("cairn"));
   spdlog::set_pattern("%^%l%$: %v");
   CLI::App app{"Rubble piles of glued-sphere grains: contacts, self-gravity, spin-up.", "cairn"};

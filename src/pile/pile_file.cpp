@@ -56,7 +56,15 @@ Setup read_pile(const std::filesystem::path& path, const std::vector<Material>& 
   std::vector<std::string> names;
   read_constants(file, state.bodies, setup.shapes);
   file.read_static("materials", {{"name", "", "", &names}});
-  file.read_checkpoint(checkpoint_fields(state, contacts, walls));
+  // A pile is its bodies and their contacts, whatever version of the program has made it, and how.
+  FieldTable fields = checkpoint_fields(state, contacts, walls);
+  std::erase_if(fields, [](const Field& field) {
+    const auto within = [&](std::string_view group) {
+      return std::string_view(field.name).starts_with(group);
+    };
+    return within("gravity/") || within("control/") || within("ledger/") || within("walls/");
+  });
+  file.read_checkpoint(fields);
   try {
     check_pile(state, names.size(), contacts);
     // Only materials that bodies have are asked of the scene; those of single stages or walls are not.

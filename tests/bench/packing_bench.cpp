@@ -4,7 +4,7 @@
 #include <map>
 
 #include "core/error.h"
-#include "core/huge_pages.h"
+#include "core/runtime.h"
 #include "core/parallel.h"
 #include "core/random.h"
 #include "pile/cloud.h"
@@ -129,7 +129,7 @@ void pack(const Recipe& recipe, const std::filesystem::path& path) {
 }  // namespace cairn
 
 int main(int argc, char** argv) {
-  cairn::use_huge_pages(argv);
+  cairn::tune_runtime(argv);
   if (argc != 3 || !cairn::kRecipes.contains(argv[1])) {
     std::fputs("usage: bench_packing [few_]spheres|[few_]tetrahedra|cubes|needles|sizes FILE.h5\n", stderr);
     return 2;

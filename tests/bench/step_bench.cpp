@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <map>
 
-#include "core/huge_pages.h"
+#include "core/runtime.h"
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "pile/assemble.h"
@@ -110,7 +110,7 @@ void perturber(benchmark::State& run, const std::string& pile) {
 }  // namespace cairn
 
 int main(int argc, char** argv) {
-  cairn::use_huge_pages(argv);
+  cairn::tune_runtime(argv);
   benchmark::Initialize(&argc, argv);
   if (argc != 2) {
     std::fputs("usage: bench_step FOLDER [benchmark options]: a folder of packings made by bench_packing\n",
