@@ -4,9 +4,9 @@
 #include <map>
 
 #include "core/error.h"
-#include "core/runtime.h"
 #include "core/parallel.h"
 #include "core/random.h"
+#include "core/runtime.h"
 #include "pile/cloud.h"
 #include "shape/library.h"
 #include "sim/run.h"

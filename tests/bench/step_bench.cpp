@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <map>
 
-#include "core/runtime.h"
 #include "core/parallel.h"
+#include "core/runtime.h"
 #include "core/timer.h"
 #include "pile/assemble.h"
 #include "sim/step.h"
