@@ -50,18 +50,23 @@ Mat3 inverse_inertia(const Bodies& bodies, std::size_t b) {
   return axes * bodies.inertia[b].cwiseInverse().asDiagonal() * axes.transpose();
 }
 
-void place_spheres(Bodies& bodies) {
+void place_spheres(Bodies& bodies, std::size_t begin, std::size_t end) {
   Spheres& spheres = bodies.spheres;
-  parallel_for(bodies.size(), [&](std::size_t b) {
-    const std::uint32_t begin = bodies.first_sphere[b], end = bodies.first_sphere[b + 1];
-    if (end - begin == 1) {  // a loose sphere sits on its centre of mass
-      spheres.position[begin] = bodies.position[b];
-      return;
+  for (std::size_t b = begin; b < end; ++b) {
+    const std::uint32_t first = bodies.first_sphere[b], last = bodies.first_sphere[b + 1];
+    if (last - first == 1) {  // a loose sphere sits on its centre of mass
+      spheres.position[first] = bodies.position[b];
+      continue;
     }
     const Mat3 axes = bodies.orientation[b].toRotationMatrix();
-    for (std::uint32_t s = begin; s < end; ++s)
+    for (std::uint32_t s = first; s < last; ++s)
       spheres.position[s] = bodies.position[b] + axes * spheres.offset[s];
-  });
+  }
+}
+
+void place_spheres(Bodies& bodies) {
+  parallel_blocks(bodies.size(), kBodyBlock,
+                  [&](std::size_t begin, std::size_t end) { place_spheres(bodies, begin, end); });
 }
 
 }  // namespace cairn

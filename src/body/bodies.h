@@ -71,7 +71,12 @@ inline Vec3 angular_velocity(const Bodies& bodies, std::size_t b) {
 /// Inverse inertia tensor of body b in the space frame (kg^-1 m^-2).
 Mat3 inverse_inertia(const Bodies& bodies, std::size_t b);
 
+/// Bodies per block of the loops over all of them. Functions on bodies [begin, end) are for such a block:
+/// what follows each other does so while the block is in the cache.
+inline constexpr std::size_t kBodyBlock = 128;
+
 /// Sphere centres from the bodies' poses.
+void place_spheres(Bodies& bodies, std::size_t begin, std::size_t end);
 void place_spheres(Bodies& bodies);
 
 }  // namespace cairn

@@ -4,13 +4,12 @@
 
 namespace cairn {
 
-void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, double dt,
-                     std::vector<SphereMotion>& motions, const Vec3& rate) {
+void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, double dt, const Vec3& rate,
+                     std::size_t first, std::size_t last, std::vector<SphereMotion>& motions) {
   const Spheres& spheres = bodies.spheres;
-  motions.resize(spheres.size());
   const double half = 0.5 * dt;
   const bool flows = rate != Vec3::Zero();
-  parallel_for(bodies.size(), [&](std::size_t b) {
+  for (std::size_t b = first; b < last; ++b) {
     Vec3 velocity_mid = bodies.velocity[b];
     if (flows) velocity_mid += rate.cwiseProduct(bodies.position[b]);
     const Vec3 velocity_end = velocity_mid + (half / bodies.mass[b]) * bodies.force[b];
@@ -24,7 +23,7 @@ void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, do
       Eigen::Map<Vec3>(m.spin_mid) = spin_mid[b];
       Eigen::Map<Vec3>(m.velocity) = velocity_end;
       Eigen::Map<Vec3>(m.spin) = (1.0 / bodies.inertia[b].x()) * momentum_end;
-      return;
+      continue;
     }
     const Quat& q = bodies.orientation[b];
     const Vec3 w_end = q * (q.conjugate() * momentum_end).cwiseQuotient(bodies.inertia[b]);
@@ -43,6 +42,14 @@ void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, do
       Eigen::Map<Vec3>(m.velocity) = velocity_end + w_end.cross(arm);
       Eigen::Map<Vec3>(m.spin) = w_end;
     }
+  }
+}
+
+void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, double dt,
+                     std::vector<SphereMotion>& motions, const Vec3& rate) {
+  motions.resize(bodies.spheres.size());
+  parallel_blocks(bodies.size(), kBodyBlock, [&](std::size_t begin, std::size_t end) {
+    compute_motions(bodies, spin_mid, dt, rate, begin, end, motions);
   });
 }
 

@@ -23,5 +23,8 @@ static_assert(sizeof(SphereMotion) == 128);
 /// that grows at `rate` (1/s) the affine flow about the zero is added to velocities.
 void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, double dt,
                      std::vector<SphereMotion>& motions, const Vec3& rate = Vec3::Zero());
+/// The spheres of bodies [begin, end); there is room in `motions`.
+void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, double dt, const Vec3& rate,
+                     std::size_t begin, std::size_t end, std::vector<SphereMotion>& motions);
 
 }  // namespace cairn

@@ -157,45 +157,56 @@ Quat rotate_free_top(const Quat& attitude, const Vec3& angular_momentum, const V
   return {turned.w, turned.v.x, turned.v.y, turned.v.z};
 }
 
-void kick(Bodies& bodies, double dt) {
-  parallel_for(bodies.size(), [&](std::size_t b) {
+void kick(Bodies& bodies, double dt, std::size_t begin, std::size_t end) {
+  for (std::size_t b = begin; b < end; ++b) {
     bodies.velocity[b] += (dt / bodies.mass[b]) * bodies.force[b];
     bodies.spin[b] += dt * bodies.torque[b];
-  });
+  }
+}
+
+void kick(Bodies& bodies, double dt) {
+  parallel_blocks(bodies.size(), kBodyBlock,
+                  [&](std::size_t begin, std::size_t end) { kick(bodies, dt, begin, end); });
+}
+
+bool drift(Bodies& bodies, double dt, std::size_t begin, std::size_t end, std::vector<Vec3>& spin_mid) {
+  const double reach =
+      bodies.cell_edge > 0.0 ? kCellReach * bodies.cell_edge : std::numeric_limits<double>::infinity();
+  bool left = false;
+  std::size_t turning[kLanes], count = 0;
+  for (std::size_t b = begin; b < end; ++b) {
+    Vec3& x = bodies.position[b];
+    add_exactly(x, bodies.remainder[b], dt * bodies.velocity[b]);
+    left |= x.cwiseAbs().maxCoeff() > reach;
+    if (bodies.sphere_count(b) == 1) {  // the attitude of a loose sphere moves nothing
+      const Vec3 w = (1.0 / bodies.inertia[b].x()) * bodies.spin[b];
+      spin_mid[b] = tangent_ratio(0.25 * dt * dt * w.squaredNorm()) * w;
+    } else {
+      turning[count++] = b;
+    }
+    if (count == kLanes || (count > 0 && b + 1 == end)) {
+      std::fill(turning + count, turning + kLanes, turning[0]);
+      turn_bodies(bodies, turning, dt, spin_mid);
+      count = 0;
+    }
+  }
+  return left;
 }
 
 void drift(Bodies& bodies, double dt, std::vector<Vec3>& spin_mid) {
   spin_mid.resize(bodies.size());
-  const double reach =
-      bodies.cell_edge > 0.0 ? kCellReach * bodies.cell_edge : std::numeric_limits<double>::infinity();
   std::atomic<bool> left = false;
-  parallel_blocks(bodies.size(), 128, [&](std::size_t begin, std::size_t end) {
-    std::size_t turning[kLanes], count = 0;
-    for (std::size_t b = begin; b < end; ++b) {
-      Vec3& x = bodies.position[b];
-      add_exactly(x, bodies.remainder[b], dt * bodies.velocity[b]);
-      if (x.cwiseAbs().maxCoeff() > reach) left.store(true, std::memory_order_relaxed);
-      if (bodies.sphere_count(b) == 1) {  // the attitude of a loose sphere moves nothing
-        const Vec3 w = (1.0 / bodies.inertia[b].x()) * bodies.spin[b];
-        spin_mid[b] = tangent_ratio(0.25 * dt * dt * w.squaredNorm()) * w;
-      } else {
-        turning[count++] = b;
-      }
-      if (count == kLanes || (count > 0 && b + 1 == end)) {
-        std::fill(turning + count, turning + kLanes, turning[0]);
-        turn_bodies(bodies, turning, dt, spin_mid);
-        count = 0;
-      }
-    }
+  parallel_blocks(bodies.size(), kBodyBlock, [&](std::size_t begin, std::size_t end) {
+    if (drift(bodies, dt, begin, end, spin_mid)) left.store(true, std::memory_order_relaxed);
   });
   if (left) settle_cells(bodies);
 }
 
-void deform(Bodies& bodies, const Vec3& stretch) {
-  parallel_for(bodies.size(), [&](std::size_t b) {
+void deform(Bodies& bodies, const Vec3& stretch, std::size_t begin, std::size_t end) {
+  for (std::size_t b = begin; b < end; ++b) {
     bodies.position[b] = bodies.position[b].cwiseProduct(stretch);
     bodies.velocity[b] = bodies.velocity[b].cwiseQuotient(stretch);
-  });
+  }
 }
 
 }  // namespace cairn

@@ -1,6 +1,7 @@
 #include "sim/step.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <optional>
 
@@ -243,6 +244,28 @@ void evaluate_forces(const Physics& physics, const SweepSettings& settings, Stat
   check_overlap(physics, state, pairs.overlap_ratio, walls);
 }
 
+/// Kicks, drifts, and what follows from the new places for the spheres. A box grows by half_stretch before
+/// and after the drift.
+void advance(const Vec3& half_stretch, double dt, State& state, Scratch& scratch) {
+  Bodies& bodies = state.bodies;
+  const bool strained = half_stretch != Vec3::Ones();
+  std::atomic<bool> left = false;
+  scratch.spin_mid.resize(bodies.size());
+  scratch.motions.resize(bodies.spheres.size());
+  parallel_blocks(bodies.size(), kBodyBlock, [&](std::size_t begin, std::size_t end) {
+    kick(bodies, 0.5 * dt, begin, end);
+    if (strained) deform(bodies, half_stretch, begin, end);
+    if (drift(bodies, dt, begin, end, scratch.spin_mid)) left.store(true, std::memory_order_relaxed);
+    if (strained) deform(bodies, half_stretch, begin, end);
+    place_spheres(bodies, begin, end);
+    compute_motions(bodies, scratch.spin_mid, dt, state.box.rate, begin, end, scratch.motions);
+  });
+  if (!left) return;
+  settle_cells(bodies);
+  place_spheres(bodies);
+  compute_motions(bodies, scratch.spin_mid, dt, scratch.motions, state.box.rate);
+}
+
 void control_spin(const Physics& physics, State& state, Scratch& scratch) {
   if (!state.control.active || state.clock.step % physics.control_steps != 0) return;
   const double period = period_at(physics.spin->path, state.clock.stage_time());
@@ -318,31 +341,22 @@ void step(const Physics& physics, State& state, Scratch& scratch) {
   Bodies& bodies = state.bodies;
   {
     ScopedTimer timer(time_of(scratch, Phase::motion));
-    kick(bodies, 0.5 * dt);
     const bool strained = state.strain.acts(state.clock.stage_time());
     ++state.clock.step;
     ++state.clock.total_steps;
+    Vec3 half_stretch = Vec3::Ones();
+    state.box.rate.setZero();
     if (strained) {
       const Vec3 before = state.box.edge;
       strain_box(state, dt);
       check_box(physics, state);
-      const Vec3 half = (before.array() > 0.0).select(state.box.edge.cwiseQuotient(before).cwiseSqrt(), 1.0);
-      deform(bodies, half);
-      drift(bodies, dt, scratch.spin_mid);
-      deform(bodies, half);
-    } else {
-      state.box.rate.setZero();
-      drift(bodies, dt, scratch.spin_mid);
+      half_stretch = (before.array() > 0.0).select(state.box.edge.cwiseQuotient(before).cwiseSqrt(), 1.0);
     }
-    place_spheres(bodies);
+    advance(half_stretch, dt, state, scratch);
   }
   {
     ScopedTimer timer(time_of(scratch, Phase::search));
     refresh_neighbours(physics, state, scratch);
-  }
-  {
-    ScopedTimer timer(time_of(scratch, Phase::contacts));
-    compute_motions(bodies, scratch.spin_mid, dt, scratch.motions, state.box.rate);
   }
   if (physics.gravity != GravityMethod::none && state.clock.step == state.gravity.due) {
     ScopedTimer timer(time_of(scratch, Phase::gravity));
