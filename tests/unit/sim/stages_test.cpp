@@ -199,7 +199,7 @@ name = "fly"
 duration = 0.1
 [[stage]]
 name = "change"
-scale = { density = 1 }
+scale = { density = 1, volume = 1 }
 [[stage]]
 name = "on"
 duration = 0.1
