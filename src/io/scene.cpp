@@ -244,12 +244,16 @@ class Checks {
 
   void check_stages() const {
     std::set<std::string> names;
+    bool carved = !scene_.pile.empty();  // its file may know a volume
     for (StageSpec& stage : scene_.stages) {
       const std::string key = fmt::format("stage[{}]", names.size());
       if (!names.insert(stage.name).second)
         throw error(key + ".name", "expected a name of its own, found '{}' for a second time", stage.name);
       check_operation(stage, key);
       check_quiet(names.size() - 1, key);
+      carved = carved || (stage.carve && !stage.carve->outside) || (stage.scale && stage.scale->volume);
+      if (stage.scale && !stage.scale->volume && !carved)
+        throw error(key + ".scale", "no region has been carved; expected a volume");
       if (!stage.material.empty()) check_reference(stage.material, key + ".material");
       if (stage.spin) check_path(stage.spin->path, key + ".spin.path");
       check_strain(stage, key);

@@ -51,6 +51,7 @@ struct CloudSpec {
   Vec3 position = Vec3::Zero();  ///< m
   Vec3 velocity = Vec3::Zero();  ///< m/s
   double spin_period = 0.0;      ///< s, rigid rotation about z; 0: none
+  double hole = 0.0;             ///< m, radius of a ball in the middle that stays free
 };
 
 /// A part of space. Keys that its kind does not have are errors.

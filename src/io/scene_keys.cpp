@@ -55,6 +55,9 @@ const Keys<CloudSpec> kCloudKeys = {
     vector("velocity", &CloudSpec::velocity, "m/s", kVelocity, "velocity of the centre"),
     number("spin_period", &CloudSpec::spin_period, "s", kTime,
            "period of a rigid rotation about z through the centre; 0: none"),
+    number(
+        "hole", &CloudSpec::hole, "m", within(0, 1e9),
+        "radius of a ball in the middle that stays free, for a core from elsewhere; not counted in filling"),
 };
 
 const Keys<RegionSpec> kRegionKeys = {

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "pile/cloud.h"
 #include "pile/lattice.h"
+#include "pile/operate.h"
 #include "pile/pile_file.h"
 #include "shape/library.h"
 
@@ -79,6 +80,7 @@ Setup take_pile(const Scene& scene) {
 }  // namespace
 
 Setup assemble(const Scene& scene) {
+  check_operations(scene);
   Setup setup;
   if (!scene.pile.empty()) setup = take_pile(scene);
   setup.frame = scene.frame;

@@ -145,13 +145,15 @@ void add_cloud(const CloudSpec& cloud, const std::vector<RigidShape>& shapes,
 
   // Largest first: they need the widest gaps.
   std::stable_sort(grains.begin(), grains.end(), [](auto& a, auto& b) { return a.radius > b.radius; });
-  const double ball = std::max(std::cbrt(volume / cloud.filling), largest);
+  const double hole = cloud.hole, ball = std::max(std::cbrt(volume / cloud.filling + hole * hole * hole),
+                                                  hole > 0.0 ? hole + 2.0 * largest : largest);
   Occupied occupied;
   for (Grain& g : grains) {
     constexpr int tries = 10000;
     int t = 0;
     do g.position = (ball - g.radius) * random.in_ball();
-    while (occupied.overlaps(g.position, g.radius) && ++t < tries);
+    while (((hole > 0.0 && g.position.norm() < hole + g.radius) || occupied.overlaps(g.position, g.radius)) &&
+           ++t < tries);
     if (t == tries)
       throw InputError(
           "cloud of {} bodies: no room after {} tries for a body of size {:g} m; lower 'filling' ({:g})",

@@ -163,6 +163,11 @@ std::string describe_operation(const Scene& scene, std::size_t index) {
                      describe(load_region(stage.assign->region, scene, key + "assign.region")));
 }
 
+void check_operations(const Scene& scene) {
+  for (std::size_t k = 0; k < scene.stages.size(); ++k)
+    if (scene.stages[k].operates()) describe_operation(scene, k);
+}
+
 std::string operate(const Scene& scene, std::size_t index, State& state,
                     std::vector<ContactRecord>& contacts) {
   const StageSpec& stage = scene.stages[index];

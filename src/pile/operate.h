@@ -15,6 +15,10 @@ namespace cairn {
 std::string operate(const Scene& scene, std::size_t index, State& state,
                     std::vector<ContactRecord>& contacts);
 
+/// Reads the regions of all stages that operate, so that what is wrong with them is known before hours have
+/// passed. @throws InputError for one that cannot be read.
+void check_operations(const Scene& scene);
+
 /// What stage `index` will do, in one line. @throws InputError for a region that cannot be read.
 std::string describe_operation(const Scene& scene, std::size_t index);
 

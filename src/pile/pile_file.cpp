@@ -58,11 +58,14 @@ Setup read_pile(const std::filesystem::path& path, const std::vector<Material>& 
   file.read_static("materials", {{"name", "", "", &names}});
   // A pile is its bodies and their contacts, whatever version of the program has made it, and how.
   FieldTable fields = checkpoint_fields(state, contacts, walls);
-  std::erase_if(fields, [](const Field& field) {
+  const std::vector<DatasetInfo> there = file.list("checkpoint");
+  const bool volume = std::ranges::find(there, "region_volume", &DatasetInfo::name) != there.end();
+  std::erase_if(fields, [&](const Field& field) {
     const auto within = [&](std::string_view group) {
       return std::string_view(field.name).starts_with(group);
     };
-    return within("gravity/") || within("control/") || within("ledger/") || within("walls/");
+    return within("gravity/") || within("control/") || within("ledger/") || within("walls/") ||
+           within("clock/stage_starts") || (!volume && within("region_volume"));
   });
   file.read_checkpoint(fields);
   try {

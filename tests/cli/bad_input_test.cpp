@@ -51,7 +51,7 @@ std::vector<Mistake> mistakes() {
        {"spheres 0 and 1 of bodies 0 and 1", "0.5", "overlap_limit"}},
       {"SamePlace", with(kTwo, "[2.01,", "[0,"), {"spheres 0 and 1 of bodies 0 and 1"}},
       {"NoRoomInCloud",
-       "[[cloud]]\ncount = 10\nfilling = 0.3\nsize = 1\ndensity = 1\n[[cloud.shape]]\nshape = \"sphere\"\n"
+       "[[cloud]]\ncount = 10\nfilling = 0.4\nsize = 1\ndensity = 1\n[[cloud.shape]]\nshape = \"sphere\"\n"
        "[[stage]]\nname = \"s\"\nduration = 1\n",
        {"filling"}},
       {"NothingLoadsTheContacts", with(kTwo, "[-0.01, 0, 0]", "[0, 0, 0]"), {"contact.stiffness"}},

@@ -83,7 +83,7 @@ name = "core"
 density_factor = 1.5
 [stage.assign.region]
 kind = "ball"
-radius = 20
+radius = 40
 [[stage]]
 name = "bulk"
 [stage.scale]
@@ -158,6 +158,18 @@ TEST(Build, IsTheSameOnTwoThreads) {
   }
 }
 
+TEST(Build, EveryExampleOfAPileIsValid) {
+  const Folder folder;
+  int examples = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(CAIRN_EXAMPLES "/piles")) {
+    const Outcome outcome = cairn(folder, {"check", entry.path().string()});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(contains(outcome.out, "operation  carve: bodies in a mesh of 2.4866e+08 m^3")) << outcome.out;
+    ++examples;
+  }
+  EXPECT_EQ(examples, 7);
+}
+
 TEST(Build, SaysWhatIsWrongWithAStage) {
   const Folder folder;
   const std::string start = "[[lattice]]\nsize = 1\ndensity = 1\nregion = { kind = 'ball', radius = 5 }\n";
@@ -173,6 +185,11 @@ TEST(Build, SaysWhatIsWrongWithAStage) {
          {"key 'wall[0].stages': no [[stage]] is called 'b'; expected some of 'a'"});
   refuse("[[stage]]\nname = 'a'\nduration = 1\nquiet_energy = 0.1\ngravity = 'none'\n",
          {"key 'stage[0].quiet_energy': has no meaning without self-gravity"});
+  refuse(
+      "[[stage]]\nname = 'a'\nduration = 1e9\n[[stage]]\nname = 'b'\ncarve = { region = { kind = 'mesh', "
+      "file = "
+      "'no.obj' } }\n",
+      {"no.obj"});  // at once, not at the end of stage 'a'
   refuse("[[stage]]\nname = 'a'\ncarve = { region = { kind = 'box', radius = 3 } }\n",
          {"key 'stage[0].carve.region.radius': has no effect unless the kind is 'ball'"});
 }

@@ -196,6 +196,93 @@ name = "pass"
 duration = 10000
 )";
 
+// A recipe for a pile: a lattice in a cloud, shaken, carved, scaled and settled.
+inline const char* const kRecipeScene = R"(
+[[lattice]]
+kind = "fcc"
+shape = "cube"
+size = 2
+density = 2500
+material = "stone"
+spacing = 7
+random_orientation = true
+[lattice.region]
+kind = "ball"
+radius = 40
+position = [1, 0, 0]
+orientation = [1, 0, 0, 0.5]
+[[lattice]]
+size = 2
+density = 2500
+region = { kind = "mesh", file = "top.obj", unit = 1000, size = [797, 783, 761], position = [1, 2, 3], orientation = [1, 0, 0, 0.5] }
+[[cloud]]
+count = 100
+distribution = "log_normal"
+size = 1
+size_max = 3
+median = 2
+sigma = 0.3
+density = 2000
+hole = 50
+[[cloud.shape]]
+shape = "sphere"
+[[material]]
+name = "stone"
+[[wall]]
+kind = "sphere"
+radius = 200
+stages = ["shake"]
+[[stage]]
+name = "shake"
+duration = 100
+gravity = "none"
+field = [0, 0, -9.81]
+quiet_speed = 0.01
+[[stage]]
+name = "settle"
+duration = 100
+quiet_energy = 1e-6
+[[stage]]
+name = "carve"
+[stage.carve]
+whole = true
+outside = true
+[stage.carve.region]
+kind = "mesh"
+file = "top.obj"
+unit = 1000
+size = [797, 783, 761]
+[[stage]]
+name = "ball"
+carve = { region = { kind = "ball", radius = 50 } }
+[[stage]]
+name = "turned"
+carve = { region = { kind = "mesh", file = "top.obj", unit = 1000, size = [797, 783, 761], position = [1, 2, 3], orientation = [1, 0, 0, 0.5] } }
+[[stage]]
+name = "turned core"
+assign = { region = { kind = "mesh", file = "top.obj", unit = 1000, size = [797, 783, 761], position = [1, 2, 3], orientation = [1, 0, 0, 0.5] }, density = 1 }
+[[stage]]
+name = "core"
+[stage.assign]
+outside = true
+density = 1500
+material = "stone"
+[stage.assign.region]
+kind = "box"
+size = [200, 200, 200]
+[[stage]]
+name = "denser"
+assign = { region = { kind = "ball", radius = 50 }, density_factor = 1.5 }
+[[stage]]
+name = "bulk"
+[stage.scale]
+density = 2170
+by = "size"
+volume = 2.5e8
+[output]
+interior = 300
+)";
+
 // As little as a scene can say.
 inline const char* const kShortScene = R"(
 [[body]]

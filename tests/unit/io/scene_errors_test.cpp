@@ -127,7 +127,7 @@ TEST(SceneErrors, MissingKeysNameTheirTable) {
             "s.toml:1:1: key 'stage': missing key; the file requires it (at least one "
             "[[...]] table)");
   EXPECT_EQ(error_of("[[stage]]\nname = 'a'\nduration = 1\n"),
-            "s.toml:1:1: the scene has no bodies; expected 'pile', [[cloud]] or [[body]]");
+            "s.toml:1:1: the scene has no bodies; expected 'pile', [[lattice]], [[cloud]] or [[body]]");
 }
 
 TEST(SceneErrors, SyntaxAndDuplicates) {
@@ -176,7 +176,7 @@ TEST(SceneErrors, Clouds) {
               {"exponent = 3",
                "s.toml:12:12: key 'cloud[0].exponent': has no effect unless the distribution is "
                "'power_law'"},
-              {"filling = 0.3", "s.toml:12:11: key 'cloud[0].filling': expected 0 < x <= 0.2, found 0.3"}});
+              {"filling = 0.4", "s.toml:12:11: key 'cloud[0].filling': expected 0 < x <= 0.3, found 0.4"}});
   EXPECT_EQ(error_of(kGood +
                      "[[cloud]]\ncount = 9\nsize = 2\ndensity = 1\nshape = [{ shape = 'a', weight = 0 }]\n"),
             "s.toml:11:9: key 'cloud[0].shape': expected a positive sum of weights, found 0");
@@ -187,6 +187,31 @@ TEST(SceneErrors, Directions) {
                          "s.toml:9:10: key 'wall[0].normal': expected a vector other than zero"},
                         {"[[body]]\nshape = 'a'\ndensity = 1\norientation = [0, 0, 0, 0.0]",
                          "s.toml:10:15: key 'body[1].orientation': expected a vector other than zero"}});
+}
+
+TEST(SceneErrors, LatticesRegionsAndOperations) {
+  const std::string lattice = "[[lattice]]\nsize = 1\ndensity = 1\n[lattice.region]\n";
+  expect_errors(
+      kGood,
+      {{lattice + "kind = 'bal'",
+        "s.toml:11:8: key 'lattice[0].region.kind': expected 'ball', 'ellipsoid', 'box' or 'mesh', found "
+        "'bal'; "
+        "did you mean 'ball'?"},
+       {lattice + "kind = 'ball'",
+        "s.toml:10:1: key 'lattice[0].region.radius': missing key; required because the kind is 'ball'"},
+       {lattice + "kind = 'mesh'",
+        "s.toml:10:1: key 'lattice[0].region.file': missing key; required because the kind is 'mesh'"},
+       {lattice + "kind = 'box'\nradius = 3",
+        "s.toml:12:10: key 'lattice[0].region.radius': has no effect unless the kind is 'ball'"},
+       {lattice + "kind = 'box'",
+        "s.toml:10:1: key 'lattice[0].region.size': missing key; required because the kind is 'ellipsoid' or "
+        "'box'"},
+       {lattice + "kind = 'ball'\nradius = 1\norientation = [0, 0, 0, 0]",
+        "s.toml:13:15: key 'lattice[0].region.orientation': expected a vector other than zero"},
+       {"[[stage]]\nname = 'x'\n[stage.assign]\nregion = { kind = 'ball', radius = 1 }",
+        "s.toml:9:1: key 'stage[1].assign': expected one of the keys 'density' or 'density_factor'"},
+       {"[[stage]]\nname = 'x'\nduration = 1\nquiet_speed = 0",
+        "s.toml:10:15: key 'stage[1].quiet_speed': expected 0 < x <= 1e6 in m/s, found 0"}});
 }
 
 TEST(SceneErrors, WallsHaveTheKeysOfTheirKind) {

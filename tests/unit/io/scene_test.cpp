@@ -240,7 +240,7 @@ std::string without_indices(std::string key) {
 TEST(SceneKeys, SamplesCoverEveryKey) {
   std::set<std::string> keys, given;
   collect(scene_keys().infos, "", keys);
-  for (const char* const text : {kPileScene, kBodyScene, kBoxScene, kPerturberScene})
+  for (const char* const text : {kPileScene, kBodyScene, kBoxScene, kPerturberScene, kRecipeScene})
     for (const std::string& key : parse(text).sources.keys()) given.insert(without_indices(key));
   EXPECT_EQ(given, keys);
   EXPECT_GT(keys.size(), 70u);

@@ -151,6 +151,23 @@ TEST(Cloud, OfAHundredfoldRangeOfSizesHasNoOverlap) {
       ASSERT_GE((bodies.position[a] - bodies.position[b]).norm(), bodies.length[a] + bodies.length[b]);
 }
 
+TEST(Cloud, LeavesTheHoleFree) {
+  CloudSpec cloud = mixture();
+  cloud.hole = 60.0;
+  const Bodies bodies = make(cloud, 3);
+  double volume = 0.0, reach = 0.0;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    double bound = 0.0;
+    for (std::uint32_t k = bodies.first_sphere[b]; k < bodies.first_sphere[b + 1]; ++k)
+      bound = std::max(bound, bodies.spheres.offset[k].norm() + bodies.spheres.radius[k]);
+    const double distance = (bodies.position[b] - cloud.position).norm();
+    EXPECT_GE(distance, 60.0 + bound * (1.0 - 1e-12));
+    volume += std::pow(bound, 3);
+    reach = std::max(reach, distance + bound);
+  }
+  EXPECT_NEAR(reach, std::cbrt(volume / cloud.filling + std::pow(60.0, 3)), 0.02 * reach);
+}
+
 TEST(Cloud, MovesAndTurnsAsOneBody) {
   const CloudSpec cloud = mixture();
   const Bodies bodies = make(cloud, 1);

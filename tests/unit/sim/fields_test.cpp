@@ -49,6 +49,8 @@ State state_of_many_numbers() {
               vector(), true,     number(),
               number(), vector(), vector()};
   s.k_n = number();
+  s.region_volume = number();
+  s.stage_starts = {0.0, number(), number()};
   return s;
 }
 
@@ -101,6 +103,10 @@ TEST(Checkpoint, HoldsTheWholeState) {
   for (std::size_t b = 0; b < 3; ++b)
     EXPECT_EQ(r.bodies.orientation[b].coeffs(), s.bodies.orientation[b].coeffs());
   EXPECT_EQ(r.remnant, s.remnant);
+  EXPECT_EQ(r.region_volume, s.region_volume);
+  EXPECT_EQ(r.stage_starts, s.stage_starts);
+  EXPECT_EQ(r.ledger.field_momentum, s.ledger.field_momentum);
+  EXPECT_EQ(r.ledger.rebase, s.ledger.rebase);
   EXPECT_EQ(r.gravity.from.force, s.gravity.from.force);
   EXPECT_EQ(r.gravity.from.torque, s.gravity.from.torque);
   EXPECT_EQ(r.gravity.to.force, s.gravity.to.force);

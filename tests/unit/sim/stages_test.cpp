@@ -1,0 +1,225 @@
+// Walls, fields and gravity that act in some stages only, stages that end when quiet, and reports of stages.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "folder.h"
+#include "shape/library.h"
+#include "sim/make_walls.h"
+#include "sim/run.h"
+
+namespace cairn {
+namespace {
+
+Run new_run(const std::string& text, Setup setup, const std::filesystem::path& path,
+            Operation operation = {}) {
+  Scene scene = parse_scene(text, "run.toml", ".");
+  RunAttributes attributes{
+      .title = scene.title, .scene = scene.text, .directory = ".", .version = "", .seed = scene.seed};
+  ResultFile file = ResultFile::create(path, attributes.table(), false);
+  return Run(std::move(scene), std::move(setup), std::move(file), std::move(operation));
+}
+
+Setup balls(const std::vector<Vec3>& places) {
+  Setup setup;
+  setup.shapes = {"sphere"};
+  const RigidShape ball = make_rigid(load_shape("sphere", "."), MassModel::union_volume);
+  for (const Vec3& x : places) add_body(setup.bodies, ball, 0, 1.0, 2000.0, 0, {.position = x});
+  return setup;
+}
+
+std::vector<StageReport> run(const std::string& text, Setup setup, const std::filesystem::path& path,
+                             Operation operation = {}) {
+  std::vector<StageReport> reports;
+  Run run = new_run(text, std::move(setup), path, std::move(operation));
+  EXPECT_EQ(run.advance([](const Run&) { return true; }, [&](const StageReport& r) { reports.push_back(r); }),
+            RunEnd::finished);
+  return reports;
+}
+
+constexpr const char* kFloor = R"(
+[[body]]
+shape = "sphere"
+density = 2000
+[[wall]]
+kind = "plane"
+stages = ["rest"]
+[gravity]
+method = "none"
+field = [0, 0, -1]
+[contact]
+stiffness = 1e7
+[[stage]]
+name = "rest"
+duration = 10
+[[stage]]
+name = "fall"
+duration = 2
+[[stage]]
+name = "float"
+duration = 3
+field = [0, 0, 0]
+)";
+
+TEST(Stages, AFloorThatIsNoLongerThereLetsTheBallFall) {
+  const Folder folder;
+  run(kFloor, balls({{0.0, 0.0, 1.01}}), folder / "run.h5");
+  const ResultFile file = ResultFile::open(folder / "run.h5");
+  const std::vector<double> time = file.read_series("time"), pz = file.read_series("momentum_z"),
+                            drift = file.read_series("momentum_drift");
+  const double mass = 2000.0 * 4.0 / 3.0 * kPi;
+  for (std::size_t k = 0; k < time.size(); ++k) {
+    if (k < 1001) {
+      EXPECT_TRUE(std::isnan(drift[k]));
+    } else {
+      EXPECT_LT(drift[k], 1e-12);
+    }
+    const double fallen = std::clamp(time[k] - 10.0, 0.0, 2.0);
+    if (time[k] > 9.0) {
+      EXPECT_NEAR(pz[k], -mass * fallen, 1e-6 * mass) << time[k];
+    }
+  }
+}
+
+TEST(Stages, AWallOfSomeStagesMovesFromTheStartOfTheFirst) {
+  const Scene scene = parse_scene(R"(
+[[body]]
+shape = "sphere"
+density = 2000
+[[wall]]
+kind = "plane"
+point = [0, 0, -5]
+[[wall]]
+kind = "plane"
+stages = ["b", "c"]
+oscillation_amplitude = [0, 0, 1]
+oscillation_frequency = 0.1
+[[stage]]
+name = "a"
+duration = 1
+[[stage]]
+name = "b"
+duration = 1
+[[stage]]
+name = "c"
+duration = 1
+)",
+                                  "walls.toml", ".");
+  const std::vector<Wall> all = make_walls(scene);
+  const std::vector<double> starts{0.0, 9.5, 12.0};
+  Walls walls;
+  set_walls(scene, 0, all, starts, walls);
+  EXPECT_EQ(walls.number, (std::vector<std::uint32_t>{0}));
+  walls.contacts = {{3, 0, 0, {}}, {4, 1, 0, {}}};
+  set_walls(scene, 2, all, starts, walls);
+  EXPECT_EQ(walls.number, (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_EQ(walls.contacts.size(), 2u);
+  EXPECT_EQ(walls.walls[0].motion.since, 0.0);
+  EXPECT_NEAR(walls.walls[1].motion.pose(12.0).shift.z(), 1.0, 1e-12);
+  set_walls(scene, 0, all, starts, walls);
+  ASSERT_EQ(walls.contacts.size(), 1u);
+  EXPECT_EQ(walls.contacts[0].sphere, 3u);
+}
+
+TEST(Stages, EndWhenQuietAndSaySo) {
+  const Folder folder;
+  cairn::Setup setup = balls({{-5.0, 0.0, 0.0}, {5.0, 0.0, 0.0}});
+  for (const double side : {0.0, 1.0}) {
+    const auto b = static_cast<std::size_t>(side);
+    setup.bodies.velocity[b] = {1.0 - 2.0 * side, 3.0, 0.0};
+  }
+  const std::vector<StageReport> reports = run(R"(
+[[body]]
+shape = "sphere"
+density = 2000
+[[material]]
+name = "mud"
+restitution_normal = 0
+[gravity]
+method = "direct"
+[contact]
+stiffness = 1e6
+[[stage]]
+name = "meet"
+duration = 100
+quiet_speed = 0.05
+[[stage]]
+name = "part"
+duration = 5
+)",
+                                               std::move(setup), folder / "run.h5");
+  // They meet at 1 m/s each after 4 s and hardly part; the common 3 m/s do not count. Not before a tenth of
+  // 100 s.
+  ASSERT_EQ(reports.size(), 2u);
+  EXPECT_NEAR(reports[0].time, 10.0, 0.2);
+  EXPECT_EQ(reports[0].what.substr(0, 11), "quiet after");
+  EXPECT_LT(reports[0].speed, 0.05);
+  EXPECT_EQ(reports[1].what, "the end of its duration");
+  EXPECT_EQ(reports[0].bodies, 2.0);
+  EXPECT_TRUE(std::isnan(reports[0].eta_inter));
+  const ResultFile file = ResultFile::open(folder / "run.h5");
+  StageColumns columns;
+  file.read_static("stages", columns.table());
+  EXPECT_EQ(columns.name, (std::vector<std::string>{"meet", "part"}));
+}
+
+TEST(Stages, RigidRotationIsNoAgitation) {
+  const Folder folder;
+  cairn::Setup setup = balls({{-5.0, 0.0, 0.0}, {5.0, 0.0, 0.0}, {0.0, 7.0, 1.0}});
+  const Vec3 spin(0.1, 0.2, -0.3), drift(4.0, 5.0, 6.0);
+  for (std::size_t b = 0; b < 3; ++b) {
+    setup.bodies.velocity[b] = drift + spin.cross(setup.bodies.position[b]);
+    setup.bodies.spin[b] = setup.bodies.inertia[b].cwiseProduct(spin);
+  }
+  run("[[body]]\nshape = 'sphere'\ndensity = 2000\n[gravity]\nmethod = 'none'\n[contact]\nstiffness = 1e6\n"
+      "[[stage]]\nname = 's'\nduration = 0.01\ntime_step = 0.01\n",
+      std::move(setup), folder / "run.h5");
+  const ResultFile file = ResultFile::open(folder / "run.h5");
+  const double kinetic = file.read_series("kinetic_energy")[0];
+  EXPECT_GT(kinetic, 1e5);
+  EXPECT_LT(std::abs(file.read_series("agitation")[0]), 1e-9 * kinetic);
+}
+
+TEST(Stages, AnOperationChangesTheBodiesOfLaterSnapshots) {
+  const Folder folder;
+  const Operation heavier = [](const Scene&, std::size_t, State& state, std::vector<ContactRecord>&) {
+    state.bodies.mass[0] *= 2.0;
+    return std::string("doubled");
+  };
+  const auto reports = run(R"(
+[[body]]
+shape = "sphere"
+density = 2000
+[gravity]
+method = "none"
+[contact]
+stiffness = 1e6
+[[stage]]
+name = "fly"
+duration = 0.1
+[[stage]]
+name = "change"
+scale = { density = 1, volume = 1 }
+[[stage]]
+name = "on"
+duration = 0.1
+)",
+                           balls({{0.0, 0.0, 0.0}, {9.0, 0.0, 0.0}}), folder / "run.h5", heavier);
+  ASSERT_EQ(reports.size(), 3u);
+  EXPECT_EQ(reports[1].what, "doubled");
+  EXPECT_NEAR(reports[1].mass / reports[0].mass, 1.5, 1e-12);
+  const ResultFile file = ResultFile::open(folder / "run.h5");
+  std::vector<std::uint64_t> epochs;
+  for (const SnapshotInfo& s : file.snapshots()) epochs.push_back(s.epoch);
+  EXPECT_EQ(epochs, (std::vector<std::uint64_t>{0, 0, 1, 1}));
+  EXPECT_EQ(file.constants("bodies", 0), "bodies_0");
+  EXPECT_EQ(file.constants("bodies", 1), "bodies");
+  std::vector<double> before, after;
+  file.read_static("bodies_0", {{"mass", "", "", &before}});
+  file.read_static("bodies", {{"mass", "", "", &after}});
+  EXPECT_EQ(after[0], 2.0 * before[0]);
+  EXPECT_EQ(after[1], before[1]);
+}
+
+}  // namespace
+}  // namespace cairn
