@@ -29,11 +29,12 @@ int main(int argc, char** argv) {
       fmt::print(out, "0 {:.17g} {}lo {}hi\n", packing.box.edge[k], "xyz"[k], "xyz"[k]);
     fmt::print(out, "\nAtoms # sphere\n\n");
     for (std::size_t s = 0; s < spheres.size(); ++s) {
-      Vec3 x = spheres.position[s];
-      for (int k = 0; k < 3; ++k) x[k] -= packing.box.edge[k] * std::floor(x[k] / packing.box.edge[k]);
+      Vec3 image = Vec3::Zero();
+      for (int k = 0; k < 3; ++k) image[k] = std::floor(spheres.position[s][k] / packing.box.edge[k]);
+      const Vec3 x = spheres.position[s] - image.cwiseProduct(packing.box.edge);
       const double density = spheres.mass[s] / (4.0 / 3.0 * kPi * std::pow(spheres.radius[s], 3));
-      fmt::print(out, "{} 1 {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n", s + 1, 2.0 * spheres.radius[s],
-                 density, x[0], x[1], x[2]);
+      fmt::print(out, "{} 1 {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.0f} {:.0f} {:.0f}\n", s + 1,
+                 2.0 * spheres.radius[s], density, x[0], x[1], x[2], image[0], image[1], image[2]);
     }
     fmt::print(out, "\nMolecules\n\n");
     for (std::size_t s = 0; s < spheres.size(); ++s) fmt::print(out, "{} {}\n", s + 1, spheres.body[s] + 1);
