@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 
 namespace cairn {
@@ -12,15 +13,19 @@ void tune_runtime(char** argv) {
     const char* set = std::getenv(name);
     return std::string(set != nullptr ? set : "");
   };
-  bool changed = false;
-  const auto set = [&](const char* name, const std::string& to) {
-    changed |= setenv(name, to.c_str(), 1) == 0;
-  };
+  constexpr const char* kDone = "CAIRN_TUNED";  // where a value cannot be set, it is not tried again
+  if (!value(kDone).empty()) return;
+  const auto set = [](const char* name, const std::string& to) { setenv(name, to.c_str(), 1); };
+  set(kDone, "1");
   const std::string tunables = value("GLIBC_TUNABLES");
   if (tunables.find("glibc.malloc.hugetlb") == std::string::npos)
     set("GLIBC_TUNABLES", (tunables.empty() ? "" : tunables + ":") + "glibc.malloc.hugetlb=1");
   if (value("GOMP_SPINCOUNT").empty() && value("OMP_WAIT_POLICY").empty()) set("GOMP_SPINCOUNT", "1000");
-  if (changed) execv("/proc/self/exe", argv);
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::string name = program.filename().string();
+  const bool loader = name.starts_with("ld-") || name.starts_with("ld.");
+  if (!error && !loader) execv(program.c_str(), argv);
 }
 
 }  // namespace cairn

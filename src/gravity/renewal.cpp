@@ -60,7 +60,6 @@ void renew(HeldGravity& held, const Wrenches& now, std::span<const double> masse
   const double passed = time - held.evaluated_time;
   look(held, time, omega);
   held.evaluated_time = time;
-  held.at_rest = false;
   const bool first = held.steps == 0, goes_on = held.steps > 1;
   if (!forecasts) {
     held.from = now;
@@ -91,8 +90,8 @@ bool rests(const HeldGravity& held, std::span<const Vec3> places, double reach) 
 
 void hold_on(HeldGravity& held, double time, const Vec3& omega, double dt, std::uint64_t steps) {
   look(held, time, omega);
-  if (!held.at_rest) held.from = held.to;
-  held.at_rest = true;
+  std::swap(held.from, held.to);
+  held.to = held.evaluated;
   held.steps = steps;
   held.interval = static_cast<double>(steps) * dt;
 }
@@ -103,7 +102,7 @@ SelfGravity::SelfGravity(const HeldGravity& held, double time, std::span<const V
       positions_(positions),
       masses_(masses),
       turned_(rows(attitude_at(held, time))),
-      part_(held.at_rest || held.to.force.empty() ? 0.0 : (time - held.time) / held.interval),
+      part_(held.to.force.empty() ? 0.0 : (time - held.time) / held.interval),
       balance_(positions, masses, [this](std::size_t g, std::size_t count) { return unbalanced(g, count); }) {
 }
 
@@ -125,7 +124,7 @@ void SelfGravity::get(std::size_t g, std::size_t count, Vec3* force, Vec3* torqu
 }
 
 double reach_at_rest(double error, double scale, double fall_time) {
-  return 0.25 * error * scale * fall_time * fall_time;
+  return 0.025 * error * scale * fall_time * fall_time;
 }
 
 std::uint64_t most_steps(double error, double shortest, double dt) {

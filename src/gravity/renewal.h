@@ -19,7 +19,6 @@ struct HeldGravity {
   Wrenches evaluated;                ///< last evaluation, from which forecasts are made; empty: none are
   std::vector<Vec3> places;          ///< m, of the points at the last evaluation, in the pile's frame then
   double evaluated_time = 0.0;       ///< of the last evaluation, s
-  bool at_rest = false;              ///< nothing had moved at `time`: `from` is held
   double time = 0.0;                 ///< when gravity was last looked at: evaluated, or found at rest, s
   double interval = 0.0;             ///< from then to the next look, s
   std::uint64_t steps = 0;           ///< the same in steps; 0: there has been no evaluation
@@ -47,7 +46,8 @@ void renew(HeldGravity& held, const Wrenches& now, std::span<const double> masse
 bool rests(const HeldGravity& held, std::span<const Vec3> places, double reach);
 
 /// Instead of an evaluation at `time` (s), where the points rest: for the next `steps` steps of `dt` (s) what
-/// has been reached is held, in a frame that turns by `omega` (rad/s).
+/// has been reached goes back to the last evaluation, and stays there from the next rest on, in a frame that
+/// turns by `omega` (rad/s).
 void hold_on(HeldGravity& held, double time, const Vec3& omega, double dt, std::uint64_t steps);
 
 /// The held gravity at one moment: wrenches on groups at their present places, in space, balanced. It looks
@@ -74,8 +74,9 @@ class SelfGravity {
 };
 
 /// How far a point may move (m) before the field on it, of grains that fall together in `fall_time` (s,
-/// 1 / sqrt(4 pi G rho / 3)), changes by half of `error` times `scale` (m/s^2): beside a ball it changes by
-/// up to 8 pi G rho / 3 per metre.
+/// 1 / sqrt(4 pi G rho / 3)), changes by a twentieth of `error` times `scale` (m/s^2): beside a ball it
+/// changes by up to 8 pi G rho / 3 per metre. What is held lags behind a slow drift by as much, always to one
+/// side.
 double reach_at_rest(double error, double scale, double fall_time);
 
 /// The most steps of `dt` (s) between two looks: sqrt(error) times `shortest` (s, of the times in which the

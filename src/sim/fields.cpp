@@ -130,7 +130,6 @@ FieldTable checkpoint_fields(State& s, ContactColumns& contacts, WallColumns& wa
        {"gravity/evaluated/torque", "N m", "the same", &s.gravity.evaluated.torque},
        {"gravity/evaluated/places", "m", "of the spheres then, in the pile's frame", &s.gravity.places},
        {"gravity/evaluated/time", "s", "of that evaluation", &s.gravity.evaluated_time},
-       {"gravity/at_rest", "", "1: nothing had moved at gravity/time", &s.gravity.at_rest},
        {"gravity/time", "s", "of the last evaluation or rest", &s.gravity.time},
        {"gravity/interval", "s", "from then to the next look", &s.gravity.interval},
        {"gravity/steps", "", "the same in steps", &s.gravity.steps},

@@ -31,7 +31,6 @@ State state_of_many_numbers() {
   }
   for (int i = 0; i < 4; ++i) s.gravity.places.push_back(vector());
   s.gravity.evaluated_time = number();
-  s.gravity.at_rest = true;
   s.gravity.interval = number();
   s.gravity.steps = 7;
   s.gravity.due = 35;
@@ -115,7 +114,6 @@ TEST(Checkpoint, HoldsTheWholeState) {
   EXPECT_EQ(r.gravity.evaluated.torque, s.gravity.evaluated.torque);
   EXPECT_EQ(r.gravity.places, s.gravity.places);
   EXPECT_EQ(r.gravity.evaluated_time, s.gravity.evaluated_time);
-  EXPECT_TRUE(r.gravity.at_rest);
   EXPECT_EQ(r.gravity.interval, s.gravity.interval);
   EXPECT_EQ(r.gravity.steps, s.gravity.steps);
   EXPECT_EQ(r.gravity.due, s.gravity.due);
