@@ -22,6 +22,7 @@ void meet(const cairn::MeshSurface& surface) {
   std::vector<cairn::WallTouch> touches;
   for (const cairn::Vec3& corner : mesh.vertices)
     for (const double radius : {1e-3, 1.0, 1e3}) {
+      if (radius < 1e-10 * corner.cwiseAbs().maxCoeff()) continue;  // places are rounded by more than that
       const cairn::Vec3 y = corner + 0.7 * radius * cairn::Vec3(0.6, 0.0, 0.8);
       near.clear();
       surface.tree().find(y, radius, near);
