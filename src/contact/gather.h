@@ -14,22 +14,21 @@ namespace cairn {
 template <class Others>
 void gather_wrenches(const ContactList& contacts, const Others& others, Bodies& bodies) {
   const Spheres& spheres = bodies.spheres;
-  const std::uint32_t last = contacts.earlier.empty() ? 0 : contacts.earlier.back();
+  const std::vector<std::uint32_t>& earlier = contacts.earlier;
   const auto add_contacts = [&](std::size_t b, Vec3& force, Vec3& torque) {
     for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s) {
       WrenchShare sum = contacts.shares[contacts.share_of(s)];
       for (std::uint32_t k = contacts.earlier_begin[s]; k < contacts.earlier_begin[s + 1]; ++k) {
-        constexpr std::uint32_t kAhead = 16;  // shares of other blocks are scattered in memory
-        const bool more = k + kAhead < contacts.earlier.size();
-        __builtin_prefetch(&contacts.shares[more ? contacts.earlier[k + kAhead] : last]);
-        sum += contacts.shares[contacts.earlier[k]];
+        constexpr std::size_t kAhead = 16;  // shares of other blocks are scattered in memory
+        __builtin_prefetch(&contacts.shares[earlier[std::min(k + kAhead, earlier.size() - 1)]]);
+        sum += contacts.shares[earlier[k]];
       }
       const Vec3 f(sum[0], sum[1], sum[2]);
       force += f;
       torque += Vec3(sum[4], sum[5], sum[6]) + (spheres.position[s] - bodies.position[b]).cross(f);
     }
   };
-  parallel_blocks(bodies.size(), 128, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(bodies.size(), kBodyBlock, [&](std::size_t begin, std::size_t end) {
     Vec3 force[kLanes], torque[kLanes];
     for (std::size_t b = begin; b < end; b += kLanes) {
       const std::size_t count = std::min(kLanes, end - b);
