@@ -62,6 +62,11 @@ struct Placement {
 void add_body(Bodies& bodies, const RigidShape& shape, std::uint32_t shape_index, double size, double density,
               std::uint16_t material, const Placement& placement);
 
+/// Whether b is a sphere whose attitude changes nothing; one sphere can also stand for a mesh.
+inline bool is_ball(const Bodies& bodies, std::size_t b) {
+  return bodies.sphere_count(b) == 1 && bodies.inertia[b].x() == bodies.inertia[b].z();
+}
+
 /// Angular velocity of body b (rad/s, space frame): R I^-1 R^T L.
 inline Vec3 angular_velocity(const Bodies& bodies, std::size_t b) {
   const Quat& q = bodies.orientation[b];

@@ -10,9 +10,10 @@
 namespace cairn {
 
 /// Sets the bodies' wrenches to what others(b, count, force, torque) says for the `count` <= kLanes bodies
-/// from b on, plus forces and torques of the last sweep, in the order of sphere ids.
-template <class Others>
-void gather_wrenches(const ContactList& contacts, const Others& others, Bodies& bodies) {
+/// from b on, plus forces and torques of the last sweep, in the order of sphere ids. `then(begin, end)` goes
+/// on with the bodies of a block while they are in the cache.
+template <class Others, class Then>
+void gather_wrenches(const ContactList& contacts, const Others& others, Bodies& bodies, const Then& then) {
   const Spheres& spheres = bodies.spheres;
   const std::vector<std::uint32_t>& earlier = contacts.earlier;
   const auto add_contacts = [&](std::size_t b, Vec3& force, Vec3& torque) {
@@ -39,6 +40,7 @@ void gather_wrenches(const ContactList& contacts, const Others& others, Bodies& 
         bodies.torque[b + k] = torque[k];
       }
     }
+    then(begin, end);
   });
 }
 
@@ -50,7 +52,7 @@ inline void gather_wrenches(const ContactList& contacts, Bodies& bodies) {
         std::fill_n(force, count, Vec3::Zero());
         std::fill_n(torque, count, Vec3::Zero());
       },
-      bodies);
+      bodies, [](std::size_t, std::size_t) {});
 }
 
 }  // namespace cairn

@@ -1,6 +1,7 @@
 #include "contact/history.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "core/error.h"
 
@@ -18,25 +19,39 @@ void ContactList::rebuild(std::vector<Pair>& pairs, std::size_t spheres, const F
   set_shares(spheres);
 
   c_n.assign(n, -1.0);
-  springs.assign(features.tangential ? n : 0, ContactSprings{});
+  slide.assign(features.tangential ? n : 0, SlideSpring{});
+  turn.assign(features.rolling || features.twisting ? n : 0, TurnSpring{});
   restore(kept);
 }
 
 void ContactList::set_shares(std::size_t spheres) {
+  block_bits_ = std::clamp(static_cast<unsigned>(std::bit_width(spheres / 8)), 9u, 11u) - 1;
   share_of_j.resize(slots());
   first_share.clear();
   earlier_begin.assign(spheres + 1, 0);
+  std::vector<std::uint32_t> share_outside(spheres, 0);  // of a sphere, in the last block that has one for it
+  struct Outside {
+    std::uint32_t sphere, share;
+  };
+  std::vector<Outside> outside;  // all such shares, in order
   std::uint32_t share = 0;
-  for (std::size_t begin = 0; begin < spheres; begin += kBlock) {
-    const std::size_t end = std::min(begin + kBlock, spheres);
+  for (std::size_t begin = 0; begin < spheres; begin += block()) {
+    const std::size_t end = std::min(begin + block(), spheres);
     const std::uint32_t first = share;
     first_share.push_back(first);
     share += static_cast<std::uint32_t>(end - begin);
     for (std::uint32_t slot = row_[begin]; slot < row_[end]; ++slot) {
       const std::uint32_t j = pairs_[slot].j;
-      const bool inside = j < end;
-      share_of_j[slot] = inside ? first + j - static_cast<std::uint32_t>(begin) : share++;
-      earlier_begin[j + 1] += !inside;
+      if (j < end) {
+        share_of_j[slot] = first + j - static_cast<std::uint32_t>(begin);
+        continue;
+      }
+      if (share_outside[j] <= first) {
+        share_outside[j] = share++;
+        outside.push_back({j, share_outside[j]});
+        ++earlier_begin[j + 1];
+      }
+      share_of_j[slot] = share_outside[j];
     }
   }
   first_share.push_back(share);
@@ -44,10 +59,7 @@ void ContactList::set_shares(std::size_t spheres) {
   for (std::size_t s = 0; s < spheres; ++s) earlier_begin[s + 1] += earlier_begin[s];
   earlier.resize(earlier_begin[spheres]);
   std::vector<std::uint32_t> cursor(earlier_begin.begin(), earlier_begin.end() - 1);
-  for (std::size_t slot = 0; slot < slots(); ++slot) {
-    const Pair& p = pairs_[slot];
-    if (p.i / kBlock != p.j / kBlock) earlier[cursor[p.j]++] = share_of_j[slot];
-  }
+  for (const auto& [sphere, share_there] : outside) earlier[cursor[sphere]++] = share_there;
 }
 
 void ContactList::set_shifts(bool any, const std::function<Vec3(const Pair&)>& shift_of) {
@@ -68,22 +80,27 @@ void ContactList::set_shifts(bool any, const std::function<Vec3(const Pair&)>& s
 ContactMemory<double> ContactList::memory(std::size_t slot) const {
   ContactMemory<double> m{};
   m.c_n = c_n[slot];
-  if (!features_.tangential) return m;
-  const ContactSprings& s = springs[slot];
-  m.c_s = s.c_s;
-  m.slide = {s.slide[0], s.slide[1], s.slide[2]};
-  if (features_.rolling) m.roll = {s.roll[0], s.roll[1], s.roll[2]};
-  if (features_.twisting) m.twist = s.twist;
+  if (!slide.empty()) {
+    const SlideSpring& s = slide[slot];
+    m.c_s = s.c_s;
+    m.slide = {s.length[0], s.length[1], s.length[2]};
+  }
+  if (!turn.empty()) {
+    const TurnSpring& t = turn[slot];
+    if (features_.rolling) m.roll = {t.roll[0], t.roll[1], t.roll[2]};
+    if (features_.twisting) m.twist = t.twist;
+  }
   return m;
 }
 
 void ContactList::set_memory(std::size_t slot, const ContactMemory<double>& m) {
   c_n[slot] = m.c_n;
-  if (!features_.tangential) return;
-  ContactSprings& s = springs[slot];
-  s = {.slide = {m.slide.x, m.slide.y, m.slide.z}, .c_s = m.c_s, .roll = {}, .twist = 0.0};
-  if (features_.rolling) s.roll[0] = m.roll.x, s.roll[1] = m.roll.y, s.roll[2] = m.roll.z;
-  if (features_.twisting) s.twist = m.twist;
+  if (!slide.empty()) slide[slot] = {.length = {m.slide.x, m.slide.y, m.slide.z}, .c_s = m.c_s};
+  if (!turn.empty()) {
+    TurnSpring& t = turn[slot] = {};
+    if (features_.rolling) t.roll[0] = m.roll.x, t.roll[1] = m.roll.y, t.roll[2] = m.roll.z;
+    if (features_.twisting) t.twist = m.twist;
+  }
 }
 
 void ContactList::release(std::size_t slot) {

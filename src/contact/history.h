@@ -30,12 +30,16 @@ struct ContactWrench {
 /// centre (N m), three numbers each and one that is not used.
 using WrenchShare = Batch;
 
-/// Springs of one contact and its tangential dashpot, in one cache line.
-struct alignas(64) ContactSprings {
-  double slide[3] = {};  ///< m
-  double c_s = 0.0;      ///< kg/s
-  double roll[3] = {};   ///< rad
-  double twist = 0.0;    ///< rad
+/// The spring and dashpot of one contact against sliding.
+struct alignas(32) SlideSpring {
+  double length[3] = {};  ///< m
+  double c_s = 0.0;       ///< kg/s
+};
+
+/// The springs of one contact against rolling and twisting.
+struct alignas(32) TurnSpring {
+  double roll[3] = {};  ///< rad
+  double twist = 0.0;   ///< rad
 };
 
 /// What a contact that began or ended within the step gives beyond the half kicks: its wrench times a time.
@@ -47,9 +51,10 @@ struct PartialKick {
 /// Candidate pairs ("slots") sorted by (i, j), their histories and wrenches.
 class ContactList {
  public:
-  /// Spheres per block: what one sweep works on, independent of threads and of the candidates. Where both
-  /// spheres of a pair are in one block, their wrenches are summed there.
-  static constexpr std::size_t kBlock = 256;
+  /// Spheres per block, a power of two: what one sweep works on, independent of threads and of the
+  /// candidates. Where both spheres of a pair are in one block, their wrenches are summed there. Large
+  /// blocks, because what leaves them goes through memory; small ones, so that there is work for all threads.
+  std::size_t block() const { return std::size_t{1} << block_bits_; }
 
   /// Replaces the candidates; histories of touching pairs are carried over. Every touching pair must be among
   /// the new candidates. `features` says which springs exist.
@@ -81,26 +86,29 @@ class ContactList {
   }
 
   /// Where the sum of sphere s over the pairs of its own block is in `shares`.
-  std::size_t share_of(std::size_t s) const { return first_share[s / kBlock] + s % kBlock; }
+  std::size_t share_of(std::size_t s) const { return first_share[s >> block_bits_] + (s & (block() - 1)); }
   /// Shares of sphere s from earlier blocks: earlier[earlier_begin[s]] ... in increasing order.
   std::vector<std::uint32_t> earlier_begin, earlier;
 
-  std::vector<double> c_n;                   ///< kg/s; < 0: not touching
-  std::vector<ContactSprings> springs;       ///< empty when there is no tangential force
-  std::vector<WrenchShare> shares;           ///< by block: of its spheres, then of each pair that leaves it
-  std::vector<std::uint32_t> first_share;    ///< of each block
-  std::vector<std::uint32_t> share_of_j;     ///< where the wrench on j of a slot is added
-  std::vector<ContactWrench> wrench;         ///< of each slot in the last sweep, while `keep_wrenches`
-  bool keep_wrenches = false;                ///< for those who look into the pile; the motion needs none
-  std::vector<std::array<double, 3>> shift;  ///< whole edges of the lattice; empty: none is shifted
-  std::vector<std::uint8_t> is_shifted;      ///< whether a slot's shift is not zero; empty as `shift`
-  Vec3 lattice = Vec3::Zero();               ///< m, edges of the cells, or of the periodic box as it is
-  Vec3 lattice_rate = Vec3::Zero();          ///< 1/s, their growth: images move with it
+  std::vector<double> c_n;         ///< kg/s; < 0: not touching
+  std::vector<SlideSpring> slide;  ///< empty when there is no tangential force
+  std::vector<TurnSpring> turn;    ///< empty when nothing resists rolling and twisting
+  std::vector<WrenchShare>
+      shares;  ///< by block: of its spheres, then of those that its pairs reach outside it
+  std::vector<std::uint32_t> first_share;       ///< of each block
+  std::vector<std::uint32_t> share_of_j;        ///< where the wrench on j of a slot is added
+  std::vector<ContactWrench> wrench;            ///< of each slot in the last sweep, while `keep_wrenches`
+  bool keep_wrenches = false;                   ///< for those who look into the pile; the motion needs none
+  std::vector<std::array<double, 3>> shift;     ///< whole edges of the lattice; empty: none is shifted
+  std::vector<std::uint8_t> is_shifted;         ///< whether a slot's shift is not zero; empty as `shift`
+  Vec3 lattice = Vec3::Zero();                  ///< m, edges of the cells, or of the periodic box as it is
+  Vec3 lattice_rate = Vec3::Zero();             ///< 1/s, their growth: images move with it
   std::vector<std::vector<PartialKick>> kicks;  ///< of the last sweep, by block of spheres
 
  private:
   void set_shares(std::size_t spheres);
 
+  unsigned block_bits_ = 0;
   std::vector<Pair> pairs_;
   std::vector<std::uint32_t> row_;
   Features features_;

@@ -4,7 +4,7 @@
 
 namespace cairn {
 
-void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, double dt, const Vec3& rate,
+void compute_motions(const Bodies& bodies, std::span<const Vec3> spin_mid, double dt, const Vec3& rate,
                      std::size_t first, std::size_t last, std::vector<SphereMotion>& motions) {
   const Spheres& spheres = bodies.spheres;
   const double half = 0.5 * dt;
@@ -15,19 +15,19 @@ void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, do
     const Vec3 velocity_end = velocity_mid + (half / bodies.mass[b]) * bodies.force[b];
     const Vec3 momentum_end = bodies.spin[b] + half * bodies.torque[b];
     const std::uint32_t begin = bodies.first_sphere[b], end = bodies.first_sphere[b + 1];
-    if (end - begin == 1) {  // a loose sphere has no arm
+    if (is_ball(bodies, b)) {  // no arm
       SphereMotion& m = motions[begin];
       Eigen::Map<Vec3>(m.position) = spheres.position[begin];
       m.radius = spheres.radius[begin];
       Eigen::Map<Vec3>(m.velocity_mid) = velocity_mid;
-      Eigen::Map<Vec3>(m.spin_mid) = spin_mid[b];
+      Eigen::Map<Vec3>(m.spin_mid) = spin_mid[b - first];
       Eigen::Map<Vec3>(m.velocity) = velocity_end;
       Eigen::Map<Vec3>(m.spin) = (1.0 / bodies.inertia[b].x()) * momentum_end;
       continue;
     }
     const Quat& q = bodies.orientation[b];
     const Vec3 w_end = q * (q.conjugate() * momentum_end).cwiseQuotient(bodies.inertia[b]);
-    const Vec3& w_mid = spin_mid[b];
+    const Vec3& w_mid = spin_mid[b - first];
     const Vec3 turn = half * w_mid;
     const double share = 1.0 / (1.0 + turn.squaredNorm());
     for (std::uint32_t s = begin; s < end; ++s) {
@@ -45,12 +45,17 @@ void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, do
   }
 }
 
-void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, double dt,
+void compute_motions(const Bodies& bodies, std::span<const Vec3> spin_mid, double dt,
                      std::vector<SphereMotion>& motions, const Vec3& rate) {
   motions.resize(bodies.spheres.size());
   parallel_blocks(bodies.size(), kBodyBlock, [&](std::size_t begin, std::size_t end) {
-    compute_motions(bodies, spin_mid, dt, rate, begin, end, motions);
+    compute_motions(bodies, spin_mid.subspan(begin), dt, rate, begin, end, motions);
   });
+}
+
+void move_motions(const Spheres& spheres, std::vector<SphereMotion>& motions) {
+  parallel_for(spheres.size(),
+               [&](std::size_t s) { Eigen::Map<Vec3>(motions[s].position) = spheres.position[s]; });
 }
 
 }  // namespace cairn

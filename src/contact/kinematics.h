@@ -1,6 +1,7 @@
 // How every sphere moves in the step: what the contact sweep reads, packed into two cache lines per sphere.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "body/bodies.h"
@@ -18,13 +19,16 @@ struct alignas(128) SphereMotion {
 };
 static_assert(sizeof(SphereMotion) == 128);
 
-/// Fills `motions` from the bodies after the drift: half-step velocities are in the bodies, `spin_mid` holds
-/// their mean angular velocity over the drift, and the last wrench predicts the end of the step. In a box
-/// that grows at `rate` (1/s) the affine flow about the zero is added to velocities.
-void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, double dt,
-                     std::vector<SphereMotion>& motions, const Vec3& rate = Vec3::Zero());
-/// The spheres of bodies [begin, end); there is room in `motions`.
-void compute_motions(const Bodies& bodies, const std::vector<Vec3>& spin_mid, double dt, const Vec3& rate,
+/// Fills `motions` of the spheres of bodies [begin, end) after the drift: half-step velocities are in the
+/// bodies, `spin_mid` holds the mean angular velocity of each of these bodies over the drift, and the last
+/// wrench predicts the end of the step. In a box that grows at `rate` (1/s) the affine flow about the zero is
+/// added to velocities. There is room in `motions`.
+void compute_motions(const Bodies& bodies, std::span<const Vec3> spin_mid, double dt, const Vec3& rate,
                      std::size_t begin, std::size_t end, std::vector<SphereMotion>& motions);
+/// Of all bodies; `motions` gets the size.
+void compute_motions(const Bodies& bodies, std::span<const Vec3> spin_mid, double dt,
+                     std::vector<SphereMotion>& motions, const Vec3& rate = Vec3::Zero());
+/// Of all bodies, when nothing but their cells has changed.
+void move_motions(const Spheres& spheres, std::vector<SphereMotion>& motions);
 
 }  // namespace cairn

@@ -12,8 +12,6 @@ namespace cairn {
 
 namespace {
 
-constexpr std::size_t kBlock = ContactList::kBlock;
-
 const PairLaw& law_of(const Bodies& bodies, const SweepSettings& settings, const Pair& pair) {
   const std::uint16_t a = settings.material[bodies.spheres.body[pair.i]];
   const std::uint16_t b = settings.material[bodies.spheres.body[pair.j]];
@@ -70,28 +68,33 @@ CAIRN_INLINE Batch gather(const std::vector<double>& from, const Slots& slot) {
 /// The springs of eight contacts; what F lacks is neither read nor written.
 template <Features F>
 CAIRN_INLINE void load_springs(const ContactList& contacts, const Slots& slot, ContactMemory<Batch>& m) {
-  if constexpr (!F.tangential) return;
   const double* rows[kLanes];
-  for (std::size_t l = 0; l < kLanes; ++l) rows[l] = contacts.springs[slot[l]].slide;
-  Batch a[F.rolling || F.twisting ? 8 : 4];
-  load_transposed(rows, a);
-  m.slide = {a[0], a[1], a[2]};
-  m.c_s = a[3];
+  Batch a[4];
+  if constexpr (F.tangential) {
+    for (std::size_t l = 0; l < kLanes; ++l) rows[l] = contacts.slide[slot[l]].length;
+    load_transposed(rows, a);
+    m.slide = {a[0], a[1], a[2]};
+    m.c_s = a[3];
+  }
   if constexpr (F.rolling || F.twisting) {
-    m.roll = {a[4], a[5], a[6]};
-    m.twist = a[7];
+    for (std::size_t l = 0; l < kLanes; ++l) rows[l] = contacts.turn[slot[l]].roll;
+    load_transposed(rows, a);
+    m.roll = {a[0], a[1], a[2]};
+    m.twist = a[3];
   }
 }
 
 template <Features F>
 CAIRN_INLINE void store_springs(ContactList& contacts, const Slots& slot, const ContactMemory<Batch>& m) {
-  if constexpr (!F.tangential) return;
   double* rows[kLanes];
-  for (std::size_t l = 0; l < kLanes; ++l) rows[l] = contacts.springs[slot[l]].slide;
-  if constexpr (F.rolling || F.twisting)
-    store_transposed({m.slide.x, m.slide.y, m.slide.z, m.c_s, m.roll.x, m.roll.y, m.roll.z, m.twist}, rows);
-  else
+  if constexpr (F.tangential) {
+    for (std::size_t l = 0; l < kLanes; ++l) rows[l] = contacts.slide[slot[l]].length;
     store_transposed({m.slide.x, m.slide.y, m.slide.z, m.c_s}, rows);
+  }
+  if constexpr (F.rolling || F.twisting) {
+    for (std::size_t l = 0; l < kLanes; ++l) rows[l] = contacts.turn[slot[l]].roll;
+    store_transposed({m.roll.x, m.roll.y, m.roll.z, m.twist}, rows);
+  }
 }
 
 LawConstants<Batch> gather_laws(const Bodies& bodies, const SweepSettings& settings,
@@ -171,10 +174,11 @@ class Block {
         last_(contacts.begin(end)),
         single_(settings.laws[0]),
         shares_(contacts.shares.data() + contacts.share_of(begin) - begin),
-        kicks_(contacts.kicks[begin / kBlock]) {
+        kicks_(contacts.kicks[begin / contacts.block()]) {
     kicks_.clear();
-    std::fill(contacts.shares.begin() + contacts.first_share[begin / kBlock],
-              contacts.shares.begin() + contacts.first_share[begin / kBlock + 1], WrenchShare(0.0));
+    const std::size_t block = begin / contacts.block();
+    std::fill(contacts.shares.begin() + contacts.first_share[block],
+              contacts.shares.begin() + contacts.first_share[block + 1], WrenchShare(0.0));
   }
 
   SweepReport run(std::vector<std::uint32_t>& active, std::vector<std::uint32_t>& fresh) {
@@ -185,8 +189,8 @@ class Block {
     for (; k + kLanes <= count; k += kLanes) {
       for (std::size_t l = 0; l < kLanes; ++l) slot.index[l] = active[k + l];
       slot.consecutive = slot[kLanes - 1] - slot[0] == kLanes - 1;
-      if (k + 2 * kLanes <= count)
-        for (std::size_t l = 0; l < kLanes; ++l) fetch(active[k + kLanes + l]);
+      if (k + 3 * kLanes <= count)
+        for (std::size_t l = 0; l < kLanes; ++l) fetch(active[k + 2 * kLanes + l]);
       evaluate_batch<false>(slot, kLanes);
     }
     if (k < count) {  // spare lanes repeat the last contact: same values, same slot
@@ -431,20 +435,21 @@ void set_damping(const Bodies& bodies, const SweepSettings& settings, ContactLis
   }
   contacts.c_n[slot] = law.damping_n * std::sqrt(law.k_n * mu.normal);
   if (settings.features.tangential)
-    contacts.springs[slot].c_s = law.damping_s * std::sqrt(law.k_s * mu.tangential);
+    contacts.slide[slot].c_s = law.damping_s * std::sqrt(law.k_s * mu.tangential);
 }
 
 SweepReport sweep(const Bodies& bodies, const std::vector<SphereMotion>& motions,
                   const SweepSettings& settings, ContactList& contacts) {
   const std::size_t spheres = motions.size();
-  contacts.kicks.resize((spheres + kBlock - 1) / kBlock);
+  contacts.kicks.resize(contacts.first_share.size() - 1);
   if (contacts.keep_wrenches) contacts.wrench.assign(contacts.slots(), ContactWrench{});
   SweepReport total;
   with_features(settings.features, [&]<Features F>() {
-    total = parallel_block_sum(spheres, kBlock, SweepReport{}, [&](std::size_t begin, std::size_t end) {
-      static thread_local std::vector<std::uint32_t> active, fresh;
-      return Block<F>(bodies, motions, settings, contacts, begin, end).run(active, fresh);
-    });
+    total =
+        parallel_block_sum(spheres, contacts.block(), SweepReport{}, [&](std::size_t begin, std::size_t end) {
+          static thread_local std::vector<std::uint32_t> active, fresh;
+          return Block<F>(bodies, motions, settings, contacts, begin, end).run(active, fresh);
+        });
   });
   return total;
 }

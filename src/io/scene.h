@@ -222,7 +222,7 @@ struct StageSpec {
 
 struct OutputSpec {
   double snapshot_interval = 0.0;      ///< s of simulated time; 0: only the ends of stages
-  double series_interval = 0.0;        ///< s of simulated time; 0: a thousandth of each stage
+  double series_interval = 0.0;        ///< s of simulated time; 0: chosen by the stage
   double checkpoint_interval = 300.0;  ///< s of wall-clock time
   double remnant_gap = 0.1;            ///< bodies closer than this times the smallest radius belong together
   double interior = 0.0;  ///< m, radius within which the packing is measured; 0: 3/4 of the half extent c/2

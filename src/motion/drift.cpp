@@ -110,7 +110,8 @@ CAIRN_INLINE Quaternion<T> free_top_turn(Triple<T> p, const Triple<T>& inertia, 
 }
 
 /// Eight bodies turn over dt; spare places repeat a body.
-void turn_bodies(Bodies& bodies, const std::size_t (&index)[kLanes], double dt, std::vector<Vec3>& spin_mid) {
+void turn_bodies(Bodies& bodies, const std::size_t (&index)[kLanes], double dt, std::size_t begin,
+                 std::span<Vec3> spin_mid) {
   double* rows[kLanes];
   Triple<Batch> momentum, inertia;
   for (std::size_t l = 0; l < kLanes; ++l) {
@@ -131,7 +132,7 @@ void turn_bodies(Bodies& bodies, const std::size_t (&index)[kLanes], double dt, 
   const Triple<Batch> w = attitude.rotate(Batch(2.0) / (step * turn.w) * turn.v);
   const Quaternion<Batch> turned = (attitude * turn).normalized();
   store_transposed({turned.v.x, turned.v.y, turned.v.z, turned.w}, rows);
-  for (std::size_t l = 0; l < kLanes; ++l) spin_mid[index[l]] = {w.x[l], w.y[l], w.z[l]};
+  for (std::size_t l = 0; l < kLanes; ++l) spin_mid[index[l] - begin] = {w.x[l], w.y[l], w.z[l]};
 }
 
 /// x + rest += way, with what x cannot hold in `rest` (Knuth's two-sum). Equal steps are rounded alike:
@@ -169,7 +170,7 @@ void kick(Bodies& bodies, double dt) {
                   [&](std::size_t begin, std::size_t end) { kick(bodies, dt, begin, end); });
 }
 
-bool drift(Bodies& bodies, double dt, std::size_t begin, std::size_t end, std::vector<Vec3>& spin_mid) {
+bool drift(Bodies& bodies, double dt, std::size_t begin, std::size_t end, std::span<Vec3> spin_mid) {
   const double reach =
       bodies.cell_edge > 0.0 ? kCellReach * bodies.cell_edge : std::numeric_limits<double>::infinity();
   bool left = false;
@@ -178,15 +179,15 @@ bool drift(Bodies& bodies, double dt, std::size_t begin, std::size_t end, std::v
     Vec3& x = bodies.position[b];
     add_exactly(x, bodies.remainder[b], dt * bodies.velocity[b]);
     left |= x.cwiseAbs().maxCoeff() > reach;
-    if (bodies.sphere_count(b) == 1) {  // the attitude of a loose sphere moves nothing
+    if (is_ball(bodies, b)) {
       const Vec3 w = (1.0 / bodies.inertia[b].x()) * bodies.spin[b];
-      spin_mid[b] = tangent_ratio(0.25 * dt * dt * w.squaredNorm()) * w;
+      spin_mid[b - begin] = tangent_ratio(0.25 * dt * dt * w.squaredNorm()) * w;
     } else {
       turning[count++] = b;
     }
     if (count == kLanes || (count > 0 && b + 1 == end)) {
       std::fill(turning + count, turning + kLanes, turning[0]);
-      turn_bodies(bodies, turning, dt, spin_mid);
+      turn_bodies(bodies, turning, dt, begin, spin_mid);
       count = 0;
     }
   }
@@ -197,7 +198,8 @@ void drift(Bodies& bodies, double dt, std::vector<Vec3>& spin_mid) {
   spin_mid.resize(bodies.size());
   std::atomic<bool> left = false;
   parallel_blocks(bodies.size(), kBodyBlock, [&](std::size_t begin, std::size_t end) {
-    if (drift(bodies, dt, begin, end, spin_mid)) left.store(true, std::memory_order_relaxed);
+    if (drift(bodies, dt, begin, end, std::span(spin_mid).subspan(begin)))
+      left.store(true, std::memory_order_relaxed);
   });
   if (left) settle_cells(bodies);
 }

@@ -3,6 +3,7 @@
 // carried and is exact in free flight.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "body/bodies.h"
@@ -13,13 +14,13 @@ namespace cairn {
 void kick(Bodies& bodies, double dt, std::size_t begin, std::size_t end);
 void kick(Bodies& bodies, double dt);
 
-/// Positions and attitudes of bodies [begin, end) advance by dt (s) at constant momenta. `spin_mid`, of all
+/// Positions and attitudes of bodies [begin, end) advance by dt (s) at constant momenta. `spin_mid`, of these
 /// bodies, receives the angular velocity of mid-step (rad/s) in the sense of the midpoint rule: a point of
 /// the body goes exactly from x0 to x1, seen from the mass centre, with (x1 - x0) / dt = spin_mid x (x0 + x1)
 /// / 2. Its length is tan(angle / 2) over dt / 2. So a rigid motion of two bodies is one for their contact
 /// too, however long it lasts. Returns whether one has left its cell: then all are to be settled in theirs.
 [[nodiscard]] bool drift(Bodies& bodies, double dt, std::size_t begin, std::size_t end,
-                         std::vector<Vec3>& spin_mid);
+                         std::span<Vec3> spin_mid);
 /// All bodies, settled in their cells.
 void drift(Bodies& bodies, double dt, std::vector<Vec3>& spin_mid);
 

@@ -1,5 +1,7 @@
 #include "motion/spin.h"
 
+#include <algorithm>
+
 #include "body/cells.h"
 #include "core/parallel.h"
 
@@ -7,36 +9,37 @@ namespace cairn {
 
 namespace {
 
-/// Sums over the members, about a point moving with them.
+/// Sums over the members, seen from one of them.
 struct Sums {
   double mass = 0.0;
   Vec3 moment = Vec3::Zero(), momentum = Vec3::Zero();
+  Vec3 response = Vec3::Zero();   // inertia tensor times z
+  double angular_momentum = 0.0;  // about z
   Sums& operator+=(const Sums& s) {
     mass += s.mass;
     moment += s.moment;
     momentum += s.momentum;
-    return *this;
-  }
-};
-
-struct Rotation {
-  double inertia = 0.0, angular_momentum = 0.0;  // I_zz, L_z
-  Rotation& operator+=(const Rotation& r) {
-    inertia += r.inertia;
-    angular_momentum += r.angular_momentum;
+    response += s.response;
+    angular_momentum += s.angular_momentum;
     return *this;
   }
 };
 
 /// R I R^T z: angular momentum of body b per unit spin about z.
 Vec3 spin_response(const Bodies& bodies, std::size_t b) {
+  if (is_ball(bodies, b)) return {0.0, 0.0, bodies.inertia[b].z()};
   const Quat& q = bodies.orientation[b];
   return q * (q.conjugate() * Vec3::UnitZ()).cwiseProduct(bodies.inertia[b]);
 }
 
-double kinetic_energy(const Bodies& bodies, std::size_t b) {
-  return 0.5 * bodies.mass[b] * bodies.velocity[b].squaredNorm() +
-         0.5 * angular_velocity(bodies, b).dot(bodies.spin[b]);
+/// What a mass at x adds to the inertia tensor's column of z, per mass.
+Vec3 response_at(const Vec3& x) {
+  return {-x.x() * x.z(), -x.y() * x.z(), x.x() * x.x() + x.y() * x.y()};
+}
+
+/// z component of a x b.
+double cross_z(const Vec3& a, const Vec3& b) {
+  return a.x() * b.y() - a.y() * b.x();
 }
 
 }  // namespace
@@ -52,41 +55,27 @@ double period_at(std::span<const SpinPoint> path, double t) {
 }
 
 SpinCorrection impose_period(Bodies& bodies, std::span<const std::uint8_t> members, double period) {
-  const std::size_t n = bodies.size();
-  const Sums sums = parallel_sum(n, Sums{}, [&](std::size_t b) {
+  const auto first = static_cast<std::size_t>(std::find(members.begin(), members.end(), 1) - members.begin());
+  if (first == members.size()) return {.period = period};
+  const Vec3 reference = bodies.velocity[first];
+  const Sums sums = parallel_sum(bodies.size(), Sums{}, [&](std::size_t b) {
     if (!members[b]) return Sums{};
     const double m = bodies.mass[b];
-    return Sums{m, m * separation(bodies, 0, b), m * bodies.velocity[b]};
+    const Vec3 x = separation(bodies, first, b), p = m * (bodies.velocity[b] - reference);
+    return Sums{m, m * x, p, m * response_at(x) + spin_response(bodies, b),
+                cross_z(x, p) + bodies.spin[b].z()};
   });
-  const Vec3 center = sums.moment / sums.mass, drift = sums.momentum / sums.mass;
-  const Rotation now = parallel_sum(n, Rotation{}, [&](std::size_t b) {
-    if (!members[b]) return Rotation{};
-    const Vec3 x = separation(bodies, 0, b) - center, v = bodies.velocity[b] - drift;
-    const double m = bodies.mass[b];
-    return Rotation{m * (x.x() * x.x() + x.y() * x.y()) + spin_response(bodies, b).z(),
-                    m * (x.x() * v.y() - x.y() * v.x()) + bodies.spin[b].z()};
+  const Vec3 center = sums.moment / sums.mass;
+  const Vec3 response = sums.response - sums.mass * response_at(center);
+  const double spin = sums.angular_momentum - cross_z(center, sums.momentum);
+  const double change = 2.0 * kPi / period - spin / response.z();
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    if (!members[b]) return;
+    const Vec3 x = separation(bodies, first, b) - center;
+    bodies.velocity[b] += Vec3(-change * x.y(), change * x.x(), 0.0);
+    bodies.spin[b] += change * spin_response(bodies, b);
   });
-  const double change = 2.0 * kPi / period - now.angular_momentum / now.inertia;
-
-  struct Effect {
-    Vec3 momentum = Vec3::Zero();
-    double work = 0.0;
-    Effect& operator+=(const Effect& e) {
-      momentum += e.momentum;
-      work += e.work;
-      return *this;
-    }
-  };
-  const Effect effect = parallel_sum(n, Effect{}, [&](std::size_t b) {
-    if (!members[b]) return Effect{};
-    const double before = kinetic_energy(bodies, b);
-    const Vec3 x = separation(bodies, 0, b) - center;
-    const Vec3 dv = change * Vec3::UnitZ().cross(x), ds = change * spin_response(bodies, b);
-    bodies.velocity[b] += dv;
-    bodies.spin[b] += ds;
-    return Effect{bodies.mass[b] * x.cross(dv) + ds, kinetic_energy(bodies, b) - before};
-  });
-  return {period, effect.momentum, effect.work};
+  return {period, change * response, change * spin + 0.5 * change * change * response.z()};
 }
 
 }  // namespace cairn

@@ -48,6 +48,7 @@ RigidShape make_rigid(const Shape& shape, MassModel model) {
   rigid.mass_model = model;
   rigid.volume = mass.volume;
   rigid.inertia = frame.moments;
+  if (shape.radii.size() == 1 && model != MassModel::mesh) rigid.inertia.setConstant(frame.moments.mean());
   rigid.axes = Quat(frame.axes).normalized();
   rigid.center = mass.centroid;
   rigid.radii = shape.radii;

@@ -206,11 +206,10 @@ std::span<const Vec3> body_places(const Bodies& bodies, Scratch& scratch) {
   return scratch.body_places;
 }
 
-/// Sets the bodies' wrenches to those of their contacts, of self-gravity as it is held, and of the field.
-void gather(const Physics& physics, State& state, Scratch& scratch) {
+/// Sets the bodies' wrenches to those of their contacts, of self-gravity as it is held, and of the field;
+/// kicks them by `kick_dt` unless that is 0.
+void gather(const Physics& physics, double kick_dt, State& state, Scratch& scratch) {
   Bodies& bodies = state.bodies;
-  if (physics.gravity == GravityMethod::none && physics.field == Vec3::Zero())
-    return gather_wrenches(state.contacts, bodies);
   std::optional<gravity::SelfGravity> pull;
   if (physics.gravity != GravityMethod::none)
     pull.emplace(state.gravity, state.clock.time(), body_places(bodies, scratch), bodies.mass);
@@ -224,13 +223,23 @@ void gather(const Physics& physics, State& state, Scratch& scratch) {
           pull->get(b + k, std::min(kFew, count - k), force + k, torque + k);
         for (std::size_t k = 0; k < count; ++k) force[k] += bodies.mass[b + k] * physics.field;
       },
-      bodies);
+      bodies,
+      [&](std::size_t begin, std::size_t end) {
+        if (kick_dt > 0.0) kick(bodies, kick_dt, begin, end);
+      });
 }
 
-/// Contacts at the present poses; then the wrenches of all that acts.
-void evaluate_forces(const Physics& physics, const SweepSettings& settings, State& state, Scratch& scratch) {
+/// Whether something acts beside contacts of bodies, gravity and the field.
+bool more_acts(const Physics& physics, const State& state) {
+  return !state.walls.empty() || !physics.perturbers.empty();
+}
+
+/// Contacts at the present poses; then the wrenches of all that acts. Where nothing more acts, the bodies are
+/// kicked by `kick_dt` at once.
+void evaluate_forces(const Physics& physics, const SweepSettings& settings, double kick_dt, State& state,
+                     Scratch& scratch) {
   const SweepReport pairs = sweep(state.bodies, scratch.motions, settings, state.contacts);
-  gather(physics, state, scratch);
+  gather(physics, more_acts(physics, state) ? 0.0 : kick_dt, state, scratch);
   apply_partial_kicks(state.contacts, state.bodies);
   WallReport walls;
   Ledger& ledger = state.ledger;
@@ -254,20 +263,20 @@ void advance(const Vec3& half_stretch, double dt, State& state, Scratch& scratch
   Bodies& bodies = state.bodies;
   const bool strained = half_stretch != Vec3::Ones();
   std::atomic<bool> left = false;
-  scratch.spin_mid.resize(bodies.size());
   scratch.motions.resize(bodies.spheres.size());
   parallel_blocks(bodies.size(), kBodyBlock, [&](std::size_t begin, std::size_t end) {
+    std::array<Vec3, kBodyBlock> spin_mid;
     kick(bodies, 0.5 * dt, begin, end);
     if (strained) deform(bodies, half_stretch, begin, end);
-    if (drift(bodies, dt, begin, end, scratch.spin_mid)) left.store(true, std::memory_order_relaxed);
+    if (drift(bodies, dt, begin, end, spin_mid)) left.store(true, std::memory_order_relaxed);
     if (strained) deform(bodies, half_stretch, begin, end);
     place_spheres(bodies, begin, end);
-    compute_motions(bodies, scratch.spin_mid, dt, state.box.rate, begin, end, scratch.motions);
+    compute_motions(bodies, spin_mid, dt, state.box.rate, begin, end, scratch.motions);
   });
   if (!left) return;
   settle_cells(bodies);
   place_spheres(bodies);
-  compute_motions(bodies, scratch.spin_mid, dt, scratch.motions, state.box.rate);
+  move_motions(bodies.spheres, scratch.motions);
 }
 
 void control_spin(const Physics& physics, State& state, Scratch& scratch) {
@@ -332,11 +341,11 @@ void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inher
   // A sweep of no duration: no spring grows, dashpots see the present velocities.
   SweepSettings still = physics.contacts;
   still.dt = 0.0;
-  scratch.spin_mid.resize(bodies.size());
-  parallel_for(bodies.size(), [&](std::size_t b) { scratch.spin_mid[b] = angular_velocity(bodies, b); });
-  compute_motions(bodies, scratch.spin_mid, 0.0, scratch.motions, state.box.rate);
+  std::vector<Vec3> spin(bodies.size());
+  parallel_for(bodies.size(), [&](std::size_t b) { spin[b] = angular_velocity(bodies, b); });
+  compute_motions(bodies, spin, 0.0, scratch.motions, state.box.rate);
   if (physics.gravity != GravityMethod::none) renew_gravity(physics, state, scratch);
-  evaluate_forces(physics, still, state, scratch);
+  evaluate_forces(physics, still, 0.0, state, scratch);
   add_perturbers(physics, 0.0, state, scratch.perturbers);
 }
 
@@ -368,13 +377,13 @@ void step(const Physics& physics, State& state, Scratch& scratch) {
   }
   {
     ScopedTimer timer(time_of(scratch, Phase::contacts));
-    evaluate_forces(physics, physics.contacts, state, scratch);
+    evaluate_forces(physics, physics.contacts, 0.5 * dt, state, scratch);
   }
   if (!physics.perturbers.empty()) {
     ScopedTimer timer(time_of(scratch, Phase::gravity));
     add_perturbers(physics, dt, state, scratch.perturbers);
   }
-  {
+  if (more_acts(physics, state)) {
     ScopedTimer timer(time_of(scratch, Phase::motion));
     kick(bodies, 0.5 * dt);
   }

@@ -26,7 +26,6 @@ struct Scratch {
   std::uint64_t list_age = 0;  ///< steps since the candidates were found
   WallCandidates wall_candidates;
   std::vector<SphereMotion> motions;
-  std::vector<Vec3> spin_mid;
   std::vector<std::uint8_t> everyone;  ///< marks all bodies
   gravity::DirectSum direct;
   gravity::Fmm tree;

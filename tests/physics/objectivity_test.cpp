@@ -121,7 +121,7 @@ Drift carry_on_wall(bool aggregate, const Vec3& axis, int steps) {
     bodies.force[0] = 2.0 / dt * bodies.mass[0] * (motion.spin.cross(after) - bodies.velocity[0]);
     now = next;
     place_spheres(bodies);
-    compute_motions(bodies, {spin}, dt, e.scratch.motions);
+    compute_motions(bodies, std::vector<Vec3>{spin}, dt, e.scratch.motions);
     bodies.force[0].setZero();
     bodies.torque[0].setZero();
     e.state.walls.sweep(e.scratch.motions, e.physics.contacts, k * dt, e.scratch.wall_candidates, bodies);

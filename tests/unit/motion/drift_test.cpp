@@ -31,6 +31,23 @@ TEST(Drift, FreeBodiesMoveByTheirVelocityHoweverManySteps) {
   }
 }
 
+TEST(Drift, ASphereThatStandsForANeedleTurnsAsTheNeedle) {
+  RigidShape shape = make_rigid(load_shape("sphere", "."), MassModel::union_volume);
+  ASSERT_EQ(shape.inertia.x(), shape.inertia.z());
+  shape.inertia = {0.1, 0.5, 0.6};
+  const Quat attitude = Random(8, 0).rotation();
+  Bodies bodies;
+  add_body(bodies, shape, 0, 1.0, 1.0, 0, {.orientation = attitude, .angular_velocity = {0.3, 0.2, -0.1}});
+  const Quat before = bodies.orientation[0];
+  const Vec3 momentum = bodies.spin[0];
+  std::vector<Vec3> spin_mid;
+  drift(bodies, 0.5, spin_mid);
+  const Quat expected = rotate_free_top(before, momentum, bodies.inertia[0], 0.5);
+  EXPECT_LT(bodies.orientation[0].angularDistance(expected), 1e-15);
+  EXPECT_GT(bodies.orientation[0].angularDistance(before), 0.1);
+  EXPECT_LT((spin_mid[0] - angular_velocity(bodies, 0)).norm(), 0.1 * spin_mid[0].norm());
+}
+
 TEST(Drift, BodiesTurnAboutAPrincipalAxisByTheWholeAngle) {
   const RigidShape slab = make_rigid(load_shape("slab", "."), MassModel::spheres),
                    ball = make_rigid(load_shape("sphere", "."), MassModel::spheres);
