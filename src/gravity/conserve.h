@@ -16,6 +16,8 @@ namespace cairn::gravity {
 /// points.
 struct Wrenches {
   std::vector<Vec3> force, torque;
+
+  bool operator==(const Wrenches&) const = default;
 };
 
 /// Force (N) on and torque (N m) about `centres` of every group: points [first[g], first[g+1]).

@@ -67,11 +67,12 @@ void renew(HeldGravity& held, const Wrenches& now, std::span<const double> masse
     held.interval = static_cast<double>(held.steps) * dt;
     return;
   }
-  held.miss = first ? 0.0 : relative_difference(held.to.force, now.force, masses);
-  if (goes_on)
-    std::swap(held.from, held.to);
-  else
+  const bool moves = !held.to.force.empty();
+  held.miss = first ? 0.0 : relative_difference((moves ? held.to : held.from).force, now.force, masses);
+  if (!goes_on)
     held.from = now;
+  else if (moves)
+    std::swap(held.from, held.to);
   held.steps = steps();
   held.interval = static_cast<double>(held.steps) * dt;
   const double ratio = first ? 0.0 : held.interval / passed;
@@ -90,8 +91,8 @@ bool rests(const HeldGravity& held, std::span<const Vec3> places, double reach) 
 
 void hold_on(HeldGravity& held, double time, const Vec3& omega, double dt, std::uint64_t steps) {
   look(held, time, omega);
-  std::swap(held.from, held.to);
-  held.to = held.evaluated;
+  if (!held.to.force.empty()) std::swap(held.from, held.to);
+  held.to = held.from == held.evaluated ? Wrenches{} : held.evaluated;
   held.steps = steps;
   held.interval = static_cast<double>(steps) * dt;
 }

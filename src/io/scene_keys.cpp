@@ -322,7 +322,7 @@ const Keys<OutputSpec> kOutputKeys = {
     number("snapshot_interval", &OutputSpec::snapshot_interval, "s", kTime,
            "of simulated time; 0: only the ends of stages"),
     number("series_interval", &OutputSpec::series_interval, "s", kTime,
-           "of simulated time; 0: a thousandth of each stage, or a hundred steps if that is longer"),
+           "of simulated time; 0: a thousandth of each stage, or two hundred steps if that is longer"),
     number("checkpoint_interval", &OutputSpec::checkpoint_interval, "s", within(1, 1e9),
            "of wall-clock time"),
     number("remnant_gap", &OutputSpec::remnant_gap, "", within(0, 1e6),

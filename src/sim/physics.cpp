@@ -196,7 +196,7 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   if (scene.box) p.least_edge = least_edge(bodies);
   if (stage.spin && stage.spin->control_interval > 0.0)
     p.control_steps = whole_steps(stage.spin->control_interval, dt);
-  constexpr double kStepsPerRow = 100.0;  // a row costs as much as some six steps
+  constexpr double kStepsPerRow = 200.0;  // a row costs as much as some eight steps
   p.series_interval = scene.output.series_interval > 0.0 ? scene.output.series_interval
                                                          : std::max(1e-3 * stage.duration, kStepsPerRow * dt);
   p.snapshot_interval = scene.output.snapshot_interval;

@@ -39,8 +39,8 @@ void check_checkpoint(const std::filesystem::path& path, const Scene& scene, con
     for (const std::size_t rows : {w->force.size(), w->torque.size()})
       if (rows != 0 && rows != n) fail("as many forces of gravity as bodies expected");
   if (state.gravity.from.force.empty() != (state.gravity.steps == 0) ||
-      state.gravity.to.force.size() != state.gravity.evaluated.force.size() ||
-      state.gravity.to.torque.size() != state.gravity.evaluated.torque.size() ||
+      state.gravity.evaluated.force.size() < state.gravity.to.force.size() ||
+      state.gravity.evaluated.torque.size() < state.gravity.to.torque.size() ||
       (!state.gravity.to.force.empty() && state.gravity.to.torque.size() != state.gravity.from.torque.size()))
     fail("forces of gravity do not belong together");
   for (std::uint16_t m : state.bodies.material)

@@ -264,7 +264,9 @@ TEST(Rest, GoesFromTheForecastToTheLastEvaluationAndTurnsOn) {
   EXPECT_NEAR(strength(20.0), 1.002, 1e-9);
   EXPECT_NEAR(strength(30.0), 1.0015, 1e-9);
   EXPECT_NEAR(strength(40.0), 1.001, 1e-9);
+  EXPECT_FALSE(held.to.force.empty());
   hold_on(held, 40.0, omega, 1.0, 40);
+  EXPECT_TRUE(held.to.force.empty());  // nothing changes any more, and nothing is read twice
   EXPECT_NEAR(strength(60.0), 1.001, 1e-9);
   hold_on(held, 80.0, omega, 1.0, 20);
   EXPECT_NEAR(strength(90.0), 1.001, 1e-9);
@@ -273,6 +275,7 @@ TEST(Rest, GoesFromTheForecastToTheLastEvaluationAndTurnsOn) {
   for (Vec3& f : third.force) f *= 1.010;
   renew(held, third, cloud.mass, 100.0, omega, 1.0, true, [] { return std::uint64_t{10}; });
   EXPECT_NEAR(strength(100.0), 1.001, 1e-9);
+  EXPECT_NEAR(held.miss, 0.009 / 1.010, 1e-9);
   for (std::size_t i = 0; i < cloud.size(); ++i)
     EXPECT_NEAR(held.to.force[i].norm() / first.force[i].norm(), 1.011, 1e-9);
 }
