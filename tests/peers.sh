@@ -1,64 +1,70 @@
 #!/usr/bin/env bash
-# Whole steps of cairn and of LAMMPS on the same dense packings, in turn: writes its part of tests/BENCHMARKS.md
-# (a quarter of an hour; on a quiet machine).
+# Whole steps of cairn, LAMMPS and LIGGGHTS on the same dense packings, in turn, and of cairn on more packings:
+# writes its part of tests/BENCHMARKS.md (half an hour; on a quiet machine).
 #   tests/peers.sh [FOLDER]      FOLDER keeps the packings
 set -euo pipefail
 cd "$(dirname "$0")/.."
 folder=$(realpath "${1:-$(mktemp -d)}")
 mkdir -p "$folder"
 
-bash .ci/install lammps openmpi-bin
+bash .ci/install lammps liggghts openmpi-bin
 cmake --preset release
 cmake --build --preset release --target bench_packing bench_step packing_data
 programs=$PWD/build/release/tests
-for packing in spheres tetrahedra; do
+for packing in spheres tetrahedra cubes needles sizes few_spheres few_tetrahedra; do
   [[ -e $folder/$packing.h5 ]] || "$programs/bench_packing" $packing "$folder/$packing.h5"
-  "$programs/packing_data" "$folder/$packing.h5" "$folder/$packing.data"
 done
+for packing in spheres tetrahedra; do "$programs/packing_data" "$folder/$packing.h5" "$folder/$packing.data"; done
+awk '/^Molecules/ { exit } { sub(/ # sphere/, ""); print }' "$folder/spheres.data" >"$folder/spheres.liggghts"
 
 # A line each: packing, physics, cores, code, million sphere-steps per second, contacts per sphere.
-cairn() {
-  for physics in friction whole; do
-    for packing in spheres tetrahedra; do
-      OMP_NUM_THREADS=$1 "$programs/bench_step" "$folder" --benchmark_filter="^$packing/$physics" \
-        --benchmark_min_time=2 2>/dev/null |
-        sed -nE "s|.* M/s=([0-9.]+).* contacts=([0-9.]+).*|$packing $physics $1 cairn \1 \2|p"
-    done
-  done
+cairn() { # cores, packings, sets of features
+  OMP_NUM_THREADS=$1 "$programs/bench_step" "$folder" --benchmark_filter="^($2)/($3)/" --benchmark_min_time=2 \
+    2>/dev/null |
+    sed -nE "s|^([a-z_0-9]+)/([a-z]+)/.* M/s=([0-9.]+).* contacts=([0-9.]+).*|\1 \2 $1 cairn \3 \4|p"
 }
-lammps() {
-  for physics in friction whole; do
+peer() { # packing, physics, cores, code, command
+  OMP_NUM_THREADS=1 mpirun --allow-run-as-root -np "$3" "${@:5}" -log none 2>/dev/null |
+    awk -v head="$1 $2 $3 $4" '
+      /^ +[0-9]+ +[0-9.]+ *$/ { contacts = $2 }
+      /^Loop time/ { for (k = 1; k < NF; ++k) { if ($(k + 1) == "steps") steps = $k; if ($(k + 1) == "atoms" || $(k + 1) == "atoms,") atoms = $k }
+                     speed = steps * atoms / $4 / 1e6 }
+      END { print head, speed, contacts }'
+}
+peers() { # cores
+  local law=0
+  for physics in friction cohesion; do
+    law=$((law + 1))
+    peer spheres $physics "$1" LIGGGHTS liggghts -in tests/peers/in.liggghts \
+      -var data "$folder/spheres.liggghts" -var law $law -var steps 200
     for packing in spheres tetrahedra; do
       [[ $packing == spheres ]] && rigid=no || rigid=yes
-      OMP_NUM_THREADS=1 mpirun --allow-run-as-root -np "$1" lmp -in tests/peers/in.packing -log none \
-        -v data "$folder/$packing.data" -v rigid $rigid -v law $physics -v steps 300 |
-        awk -v head="$packing $physics $1 LAMMPS" '
-          /^ +[0-9]+ +[0-9.]+ *$/ { contacts = $2 }
-          /^Loop time/ { speed = $9 * $12 / $4 / 1e6 }
-          END { print head, speed, contacts }'
+      peer $packing $physics "$1" LAMMPS lmp -in tests/peers/in.packing \
+        -v data "$folder/$packing.data" -v rigid $rigid -v law $physics -v steps 200
     done
   done
 }
 for round in 1 2 3; do
   for cores in 1 2; do
-    cairn $cores
-    lammps $cores
+    cairn $cores 'spheres|tetrahedra' 'friction|cohesion'
+    peers $cores
+    cairn $cores 'few_spheres(_x3)?|few_tetrahedra|spheres_x27|cubes|needles|sizes' 'friction|cohesion'
   done
 done >"$folder/speeds.txt"
 
 {
-  echo "$(lmp -h | sed -n 's/.* - \([0-9].*\)/LAMMPS \1/p' | head -n 1), Debian's build; medians of three rounds in turn."
+  echo "Debian's $(lmp -h | sed -n 's/.* - \([0-9].*\)/LAMMPS \1/p' | head -n 1) and LIGGGHTS $(dpkg-query -W -f '${Version}' liggghts | sed 's/+.*//'); $(g++ --version | head -n 1), preset release; $(
+    sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores; $(date +%F). Medians of three rounds in turn, million sphere-steps per second."
   echo
-  echo "| packing | physics | cores | contacts per sphere: LAMMPS, cairn | LAMMPS | cairn | ratio |"
-  echo "|---|---|---|---|---|---|---|"
-  sort -k1,4 -k5,5g "$folder/speeds.txt" | awk '
-    BEGIN { name["friction"] = "normal + tangential"; name["whole"] = "+ rolling + twisting + cohesion (LAMMPS: without cohesion)" }
-    { key = $1 " " $2 " " $3; n = ++count[key, $4]; if (n == 2) { speed[key, $4] = $5; touch[key, $4] = $6 }
-      if (!(key in seen)) { seen[key]; order[++keys] = key } }
-    END { for (k = 1; k <= keys; ++k) { key = order[k]; split(key, part, " ")
-      printf "| %s | %s | %d | %.2f, %.2f | %.1f | %.1f | %.1f |\n", part[1], name[part[2]], part[3],
-        touch[key, "LAMMPS"], touch[key, "cairn"], speed[key, "LAMMPS"], speed[key, "cairn"],
-        speed[key, "cairn"] / speed[key, "LAMMPS"] } }'
+  echo "| packing | physics | cores | contacts per sphere: LAMMPS, cairn | LAMMPS | LIGGGHTS | cairn | ratio to the better |"
+  echo "|---|---|---|---|---|---|---|---|"
+  sort -k1,4 -k5,5g "$folder/speeds.txt" | awk -v part=1 -f tests/peers/table.awk
+  echo
+  echo "cairn on other packings (sizes: 50 653 spheres of a power law with ratio 8; x3, x27: that many copies side by side):"
+  echo
+  echo "| packing | physics | cores | contacts per sphere | cairn |"
+  echo "|---|---|---|---|---|"
+  sort -k1,4 -k5,5g "$folder/speeds.txt" | awk -v part=2 -f tests/peers/table.awk
 } >"$folder/peers.md"
 
 # Between the two marks.

@@ -23,6 +23,48 @@ const std::map<std::string, std::string> kMaterials{
     {"whole", ""},
     {"cohesion", "cohesion = 100\n"}};
 
+constexpr std::array<int, 3> kOne{1, 1, 1};
+
+/// Copies of the bodies side by side; the box grows with them.
+Bodies tiled(const Setup& setup, const std::array<int, 3>& tiles, Box& box) {
+  if (tiles == kOne) return setup.bodies;
+  Bodies all;
+  const Bodies& one = setup.bodies;
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  for (int i = 0; i < tiles[0]; ++i)
+    for (int j = 0; j < tiles[1]; ++j)
+      for (int k = 0; k < tiles[2]; ++k) {
+        Bodies copy = one;
+        const auto bodies = static_cast<std::uint32_t>(all.size()),
+                   spheres = static_cast<std::uint32_t>(all.spheres.size());
+        for (Vec3& x : copy.position) x += setup.box.edge.cwiseProduct(Vec3(i, j, k));
+        for (std::uint32_t& b : copy.spheres.body) b += bodies;
+        for (std::uint32_t& s : copy.first_sphere) s += spheres;
+        if (!all.first_sphere.empty()) all.first_sphere.pop_back();
+        append(all.mass, copy.mass);
+        append(all.volume, copy.volume);
+        append(all.inertia, copy.inertia);
+        append(all.shape, copy.shape);
+        append(all.length, copy.length);
+        append(all.material, copy.material);
+        append(all.first_sphere, copy.first_sphere);
+        append(all.position, copy.position);
+        append(all.remainder, copy.remainder);
+        append(all.velocity, copy.velocity);
+        append(all.orientation, copy.orientation);
+        append(all.spin, copy.spin);
+        append(all.force, copy.force);
+        append(all.torque, copy.torque);
+        append(all.spheres.radius, copy.spheres.radius);
+        append(all.spheres.mass, copy.spheres.mass);
+        append(all.spheres.offset, copy.spheres.offset);
+        append(all.spheres.body, copy.spheres.body);
+        append(all.spheres.position, copy.spheres.position);
+      }
+  box.edge = setup.box.edge.cwiseProduct(Vec3(tiles[0], tiles[1], tiles[2]));
+  return all;
+}
+
 /// A packing as it was left by its build, with the material's springs as they come.
 struct Packing {
   Scene scene;
@@ -30,7 +72,8 @@ struct Packing {
   Scratch scratch;
   Physics physics;
 
-  Packing(const std::string& pile, const std::string& material) {
+  /// `tiles` copies of the pile in each direction.
+  Packing(const std::string& pile, const std::string& material, const std::array<int, 3>& tiles) {
     const std::string text =
         "pile = \"" + pile +
         "\"\n[box]\nsize = [0, 0, 0]\n[gravity]\nmethod = \"none\"\n[[material]]\nname = "
@@ -40,8 +83,9 @@ struct Packing {
         "1e6\nmaterial = \"nominal\"\n[contact]\nstiffness = 1e7\n";
     scene = parse_scene(text, "bench.toml", ".");
     Setup setup = assemble(scene);
-    state.bodies = std::move(setup.bodies);
     state.box = setup.box;
+    state.bodies = tiled(setup, tiles, state.box);
+    if (tiles != kOne) setup.contacts.clear();  // springs begin anew
     state.k_n = setup.k_n;
     state.remnant.assign(state.bodies.size(), 1);
     use_threads_for(state.bodies.spheres.size());
@@ -52,6 +96,15 @@ struct Packing {
     prepare_scratch(physics, state, scratch);
   }
 };
+
+/// A pile, how often in each direction, and what the copies are called.
+struct Tiling {
+  std::string pile;
+  std::array<int, 3> tiles;
+  std::string name;
+};
+const std::vector<Tiling> kTilings{{"few_spheres", {3, 1, 1}, "few_spheres_x3"},
+                                   {"spheres", {3, 3, 3}, "spheres_x27"}};
 
 /// Of all threads.
 double cpu_seconds() {
@@ -66,8 +119,9 @@ double touching(const State& state) {
   return contacts;
 }
 
-void whole_step(benchmark::State& run, const std::string& pile, const std::string& material) {
-  Packing packing(pile, material);
+void whole_step(benchmark::State& run, const std::string& pile, const std::string& material,
+                const std::array<int, 3>& tiles) {
+  Packing packing(pile, material, tiles);
   const double spheres = static_cast<double>(packing.state.bodies.spheres.size());
   const double before = touching(packing.state);
   for (int k = 0; k < 20; ++k) step(packing.physics, packing.state, packing.scratch);
@@ -98,7 +152,7 @@ void whole_step(benchmark::State& run, const std::string& pile, const std::strin
 
 /// The pull of one perturber on the packing.
 void perturber(benchmark::State& run, const std::string& pile) {
-  Packing packing(pile, "whole");
+  Packing packing(pile, "whole", kOne);
   packing.physics.perturbers = {{"Earth", 4e14, 0.0, true, Vec3(2e7, 1e7, 0.0)}};
   for (auto _ : run) add_perturbers(packing.physics, 1.0, packing.state, packing.scratch.perturbers);
   run.counters["M_spheres/s"] =
@@ -124,9 +178,17 @@ int main(int argc, char** argv) {
   for (const auto& pile : piles) {
     const std::string name = pile.stem().string() + "/";
     for (const auto& [material, text] : cairn::kMaterials)
-      benchmark::RegisterBenchmark((name + material).c_str(), cairn::whole_step, pile.string(), material)
+      benchmark::RegisterBenchmark((name + material).c_str(), cairn::whole_step, pile.string(), material,
+                                   cairn::kOne)
           ->Unit(benchmark::kMillisecond)
           ->UseRealTime();
+    for (const cairn::Tiling& t : cairn::kTilings)
+      if (t.pile == pile.stem())
+        for (const auto& [material, text] : cairn::kMaterials)
+          benchmark::RegisterBenchmark((t.name + "/" + material).c_str(), cairn::whole_step, pile.string(),
+                                       material, t.tiles)
+              ->Unit(benchmark::kMillisecond)
+              ->UseRealTime();
     benchmark::RegisterBenchmark((name + "perturber").c_str(), cairn::perturber, pile.string())
         ->Unit(benchmark::kMillisecond)
         ->UseRealTime();
