@@ -2,26 +2,41 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "core/error.h"
 
 namespace cairn {
 
 void ContactList::rebuild(std::vector<Pair>& pairs, std::size_t spheres, const Features& features) {
-  const std::vector<ContactRecord> kept = records();
-  pairs_.swap(pairs);
+  pairs_.swap(pairs);  // `pairs` are the former ones now
   features_ = features;
-  const std::size_t n = pairs_.size();
+  const std::size_t n = slots();
+  const auto former_c_n = std::exchange(c_n, std::vector<double>(n, -1.0));
+  const auto former_slide = std::exchange(slide, std::vector<SlideSpring>(features.tangential ? n : 0));
+  const auto former_turn =
+      std::exchange(turn, std::vector<TurnSpring>(features.rolling || features.twisting ? n : 0));
 
   row_.assign(spheres + 1, 0);
   for (const Pair& p : pairs_) ++row_[p.i + 1];
   for (std::size_t s = 0; s < spheres; ++s) row_[s + 1] += row_[s];
   set_shares(spheres);
 
-  c_n.assign(n, -1.0);
-  slide.assign(features.tangential ? n : 0, SlideSpring{});
-  turn.assign(features.rolling || features.twisting ? n : 0, TurnSpring{});
-  restore(kept);
+  std::size_t slot = 0;
+  for (std::size_t former = 0; former < former_c_n.size(); ++former) {
+    if (former_c_n[former] < 0.0) continue;
+    slot = find_from(slot, pairs[former]);
+    c_n[slot] = former_c_n[former];
+    if (!slide.empty() && !former_slide.empty()) slide[slot] = former_slide[former];
+    if (!turn.empty() && !former_turn.empty()) turn[slot] = former_turn[former];
+  }
+}
+
+std::size_t ContactList::find_from(std::size_t slot, const Pair& pair) const {
+  while (slot < slots() && pairs_[slot] != pair) ++slot;
+  if (slot == slots())
+    throw InputError("contact of spheres {} and {}: not a pair of neighbours in this order", pair.i, pair.j);
+  return slot;
 }
 
 void ContactList::set_shares(std::size_t spheres) {
@@ -109,6 +124,8 @@ void ContactList::release(std::size_t slot) {
 
 std::vector<ContactRecord> ContactList::records() const {
   std::vector<ContactRecord> out;
+  out.reserve(
+      static_cast<std::size_t>(std::count_if(c_n.begin(), c_n.end(), [](double c) { return c >= 0.0; })));
   for (std::size_t slot = 0; slot < slots(); ++slot)
     if (touching(slot)) out.push_back({pairs_[slot].i, pairs_[slot].j, memory(slot)});
   return out;
@@ -117,10 +134,7 @@ std::vector<ContactRecord> ContactList::records() const {
 void ContactList::restore(const std::vector<ContactRecord>& records) {
   std::size_t slot = 0;
   for (const ContactRecord& record : records) {
-    while (slot < slots() && (pairs_[slot].i != record.i || pairs_[slot].j != record.j)) ++slot;
-    if (slot == slots())
-      throw InputError("contact of spheres {} and {}: not a pair of neighbours in this order", record.i,
-                       record.j);
+    slot = find_from(slot, {record.i, record.j});
     set_memory(slot, record.memory);
   }
 }

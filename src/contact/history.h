@@ -107,6 +107,8 @@ class ContactList {
 
  private:
   void set_shares(std::size_t spheres);
+  /// The slot of a pair, looked for from `slot` on. @throws InputError when it is not there.
+  std::size_t find_from(std::size_t slot, const Pair& pair) const;
 
   unsigned block_bits_ = 0;
   std::vector<Pair> pairs_;

@@ -26,9 +26,9 @@ const std::map<std::string, Recipe> kRecipes{
     {"spheres", {"sphere", 34, 1.0, 0.56, 0.642}},
     {"few_tetrahedra", {"tetrahedron", 10, 1.0, 0.56, 0.64}},
     {"tetrahedra", {"tetrahedron", 21, 1.0, 0.56, 0.64}},
-    {"cubes", {"cube", 17, 1.0, 0.50, 0.60}},
-    {"needles", {"needle", 15, 1.0, 0.20, 0.40}},
-    {"sizes", {"sphere", 37, 8.0, 0.58, 0.70}},
+    {"cubes", {"cube", 17, 1.0, 0.46, 0.57}},
+    {"needles", {"needle", 15, 1.0, 0.20, 0.35}},
+    {"sizes", {"sphere", 37, 8.0, 0.58, 0.735}},
 };
 
 std::string scene_text(const Recipe& recipe, double edge, double filling) {
@@ -52,7 +52,7 @@ friction_rolling = 0
 friction_twisting = 0
 [contact]
 stiffness = 1e7
-overlap_limit = 0.3
+overlap_limit = 0.9   # large spheres meet small ones
 [gravity]
 method = "none"
 [[stage]]
