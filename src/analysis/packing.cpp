@@ -41,7 +41,8 @@ Cluster gather(const Bodies& bodies, std::span<const std::uint32_t> set, const V
   return out;
 }
 
-/// Volume (m^3) of the cells of each body that is asked for.
+/// Volume (m^3) of the cells of each body that is asked for; NaN where Voro++ gives one up, as it does with
+/// one in a million of a perfect lattice.
 template <class Container>
 std::vector<double> cell_volumes(const Cluster& cluster, const std::vector<std::uint8_t>& asked) {
   constexpr double per_block = 5.0;  // spheres; what Voro++ does fastest
@@ -64,7 +65,8 @@ std::vector<double> cell_volumes(const Cluster& cluster, const std::vector<std::
   voro::c_loop_all loop(container);
   if (loop.start()) do {
       const std::uint32_t owner = cluster.owner[static_cast<std::size_t>(loop.pid())];
-      if (asked[owner] && container.compute_cell(cell, loop)) volume[owner] += cell.volume();
+      if (!asked[owner]) continue;
+      volume[owner] += container.compute_cell(cell, loop) ? cell.volume() : std::nan("");
     } while (loop.inc());
   return volume;
 }
@@ -89,6 +91,10 @@ Packing interior_packing(const Bodies& bodies, std::span<const std::uint32_t> se
   double solid = 0.0, plain_cells = 0.0, radical_cells = 0.0;
   for (std::size_t k = 0; k < set.size(); ++k) {
     if (!interior[k]) continue;
+    if (std::isnan(plain[k]) || std::isnan(radical[k])) {
+      --out.bodies;
+      continue;
+    }
     const double volume = bodies.volume[set[k]];
     out.mean += volume / plain[k];
     out.mean_radical += volume / radical[k];

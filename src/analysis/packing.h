@@ -10,7 +10,7 @@ namespace cairn {
 /// Local packing fractions: a body's volume over that of the cells of all its spheres, so that what
 /// overlapping spheres share counts once.
 struct Packing {
-  std::size_t bodies = 0;      ///< counted: those whose mass centre is in the interior
+  std::size_t bodies = 0;      ///< counted: mass centre in the interior, and cells made
   double total = 0.0;          ///< their volumes together over that of their plain cells
   double total_radical = 0.0;  ///< the same with radical cells
   double mean = 0.0;           ///< of the bodies' fractions, plain cells

@@ -11,6 +11,8 @@ namespace {
 
 constexpr std::uint64_t kLongLife = 1000;  // steps
 constexpr double kLeastSkin = 0.02;        // smallest radii
+constexpr std::size_t kManySpheres =
+    200000;  // from here on memory is worth more than the time to allocate it
 
 /// The shift of every slot: from the cells of its bodies, or to the nearest image.
 void find_shifts(const Bodies& bodies, const Box& box, ContactList& contacts) {
@@ -82,7 +84,10 @@ void Candidates::rebuild(const Bodies& bodies, const RigidMotion& motion, const 
   std::inplace_merge(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(near), pairs_.end(),
                      before);
   pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
+  const bool many = spheres.size() > kManySpheres;
+  if (many) search_ = {};
   contacts.rebuild(pairs_, spheres.size(), features);
+  if (many) pairs_ = {};
   find_shifts(bodies, box, contacts);
   motion_ = motion;
   cells_ = bodies.cell;
