@@ -27,8 +27,8 @@ const std::map<std::string, Recipe> kRecipes{
     {"few_tetrahedra", {"tetrahedron", 10, 1.0, 0.56, 0.64}},
     {"tetrahedra", {"tetrahedron", 21, 1.0, 0.56, 0.64}},
     {"cubes", {"cube", 17, 1.0, 0.46, 0.57}},
-    {"needles", {"needle", 15, 1.0, 0.20, 0.35}},
-    {"sizes", {"sphere", 37, 8.0, 0.58, 0.735}},
+    {"needles", {"needle", 15, 1.0, 0.20, 0.32}},
+    {"sizes", {"sphere", 37, 8.0, 0.58, 0.72}},
 };
 
 std::string scene_text(const Recipe& recipe, double edge, double filling) {

@@ -80,7 +80,7 @@ struct Packing {
         "\"nominal\"\n" +
         kMaterials.at(material) +
         "[[material]]\nname = \"smooth\"\n[[stage]]\nname = \"bench\"\nduration = "
-        "1e6\nmaterial = \"nominal\"\n[contact]\nstiffness = 1e7\n";
+        "1e6\nmaterial = \"nominal\"\n[contact]\nstiffness = 1e7\noverlap_limit = 0.3\n";
     scene = parse_scene(text, "bench.toml", ".");
     Setup setup = assemble(scene);
     state.box = setup.box;
