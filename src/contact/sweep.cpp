@@ -189,8 +189,8 @@ class Block {
     for (; k + kLanes <= count; k += kLanes) {
       for (std::size_t l = 0; l < kLanes; ++l) slot.index[l] = active[k + l];
       slot.consecutive = slot[kLanes - 1] - slot[0] == kLanes - 1;
-      if (k + 3 * kLanes <= count)
-        for (std::size_t l = 0; l < kLanes; ++l) fetch(active[k + 2 * kLanes + l]);
+      if (k + (kAhead + 1) * kLanes <= count)
+        for (std::size_t l = 0; l < kLanes; ++l) fetch(active[k + kAhead * kLanes + l]);
       evaluate_batch<false>(slot, kLanes);
     }
     if (k < count) {  // spare lanes repeat the last contact: same values, same slot
@@ -253,8 +253,11 @@ class Block {
     return total;
   }
 
-  /// The partner's motion is somewhere else in memory.
+  static constexpr std::size_t kAhead = 3;  // batches; enough for a cache that is not the nearest
+
+  /// The partner's motion is somewhere else in memory. More than these three lines is too much at once.
   void fetch(std::uint32_t slot) const {
+    if constexpr (F.tangential) __builtin_prefetch(&contacts_.slide[slot], 1);
     const SphereMotion& j = motions_[contacts_.pair(slot).j];
     __builtin_prefetch(j.position);
     __builtin_prefetch(j.position + 8);
