@@ -35,7 +35,7 @@ struct Turn {
 /// as none.
 Turn turn(const Mat3& inertia, const Vec3& torque, double smallest);
 
-/// Sums over groups that tell what a balance takes. A group's weight is |F|^2 / m.
+/// Sums over groups that tell what a balance takes. A group's weight is |F|^2 / m, roughly.
 struct NetWrench {
   Vec3 force = Vec3::Zero();
   Vec3 torque = Vec3::Zero();  ///< about the origin
@@ -72,11 +72,15 @@ class Balance {
   /// The wrenches on kLanes groups at x (m), of masses m, with the change.
   PackWrench operator()(const PackVec& x, Pack m, const PackWrench& w) const {
     const PackVec lever = x - origin_;
-    const Pack weight = dot(w.force, w.force) / m;
+    const Pack weight = weight_of(w.force, m);
     return {fma(weight, shift_ + cross(rotation_, lever), w.force), fma(m, torque_, w.torque)};
   }
 
  private:
+  /// To four digits: the same wherever it is needed.
+  static Pack weight_of(const PackVec& force, Pack mass) {
+    return dot(force, force) * rough_reciprocal(mass);
+  }
   void set(const NetWrench& net);
 
   PackVec origin_;  // a pile far from the zero keeps its digits
@@ -94,10 +98,10 @@ Balance::Balance(std::span<const Vec3> positions, std::span<const double> masses
       const std::size_t count = end - g;
       const PackWrench w = at(g, count);
       const PackVec x = load(&positions[g], count) - origin_;
-      const Pack m = load_masses(masses, g, count), part = dot(w.force, w.force) / m;
+      const Pack m = load_masses(masses, g, count), part = weight_of(w.force, m);
       net_force = net_force + w.force;
       net_torque = net_torque + cross(x, w.force) + w.torque;
-      mass += head(count) * m;
+      mass += count >= kLanes ? m : head(count) * m;
       weight += part;
       const PackVec moment{part * x.x, part * x.y, part * x.z};
       first = first + moment;

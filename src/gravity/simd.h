@@ -107,6 +107,15 @@ inline Pack fma(Pack a, Pack b, Pack c) {
 #endif
 }
 
+/// 1 / a to four digits where the instruction set has an estimate; always the same for the same a.
+inline Pack rough_reciprocal(Pack a) {
+#if defined(__AVX512F__)
+  return _mm512_maskz_rcp14_pd(0xff, a);
+#else
+  return 1.0 / a;
+#endif
+}
+
 inline Pack dot(const PackVec& a, const PackVec& b) {
   return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z));
 }
