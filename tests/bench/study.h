@@ -97,7 +97,7 @@ struct Outcome {
 };
 
 inline double total_energy(const Observation& o) {
-  return o.kinetic + o.rotational + o.gravitational + o.elastic + o.dissipated;
+  return o.kinetic + o.rotational + o.gravitational + o.elastic + o.dissipated - o.control_work;
 }
 
 class Study {
@@ -135,7 +135,7 @@ class Study {
     });
     const Observation& o = run.last_observation();
     out.period = run.state().control.failure_period;
-    out.energy = std::abs((total_energy(o) - o.control_work - first) / o.gravitational);
+    out.energy = std::abs((total_energy(o) - first) / o.gravitational);
     out.angular = o.angular_drift;
     out.momentum = o.momentum_drift;
     out.cost = wall_seconds() - start;
