@@ -55,7 +55,8 @@ double period_at(std::span<const SpinPoint> path, double t) {
 }
 
 SpinCorrection impose_period(Bodies& bodies, std::span<const std::uint8_t> members, double period) {
-  const auto first = static_cast<std::size_t>(std::find(members.begin(), members.end(), 1) - members.begin());
+  const auto marked = std::find_if(members.begin(), members.end(), [](std::uint8_t m) { return m != 0; });
+  const auto first = static_cast<std::size_t>(marked - members.begin());
   if (first == members.size()) return {.period = period};
   const Vec3 reference = bodies.velocity[first];
   const Sums sums = parallel_sum(bodies.size(), Sums{}, [&](std::size_t b) {
