@@ -146,6 +146,8 @@ quiet_speed = 0.05
 [[stage]]
 name = "part"
 duration = 5
+[output]
+series_interval = 0.1
 )",
                                                std::move(setup), folder / "run.h5");
   // They meet at 1 m/s each after 4 s and hardly part; the common 3 m/s do not count. Not before a tenth of
