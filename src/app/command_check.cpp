@@ -22,26 +22,25 @@ struct Options {
   bool keys = false;
 };
 
-/// Wall-clock seconds that a step and a row of the series take.
-struct Cost {
-  double step = 0.0, row = 0.0;
+/// What a short trial of a stage tells.
+struct Trial {
+  double step = 0.0, row = 0.0;  ///< wall-clock seconds of a step and of a row of the series
+  double coordination = 0.0;     ///< contacts per sphere
 };
 
-/// From a short trial of a stage on these bodies, no longer than the stage. At first gravity is evaluated
-/// more often than later.
-Cost try_steps(const Scene& scene, const Physics& physics, const std::vector<ContactRecord>& contacts,
-               State& state) {
+/// On a copy of the state, no longer than the stage. At first gravity is evaluated more often than later.
+Trial try_stage(const Scene& scene, const Physics& physics, const std::vector<ContactRecord>& contacts,
+                State state) {
   constexpr double kWarmUp = 0.5, kTrial = 1.5;  // s
   Scratch scratch;
   begin_stage(physics, contacts, state, scratch);
   state.clock.dt = physics.contacts.dt;
   state.control.active = physics.spin.has_value();
-  const auto& radii = state.bodies.spheres.radius;
-  const double link_gap = scene.output.remnant_gap * *std::min_element(radii.begin(), radii.end());
-  observe(physics, state, scratch, link_gap);
+  const double gap = link_gap(scene, state.bodies);
+  Trial trial{.coordination = observe(physics, state, scratch, gap).coordination};
   double start = wall_seconds();
-  observe(physics, state, scratch, link_gap);
-  Cost cost{.row = wall_seconds() - start};
+  observe(physics, state, scratch, gap);
+  trial.row = wall_seconds() - start;
   std::uint64_t left = std::min<std::uint64_t>(physics.steps, 1000);
   const auto run = [&](std::uint64_t most, double seconds) {
     start = wall_seconds();
@@ -51,83 +50,61 @@ Cost try_steps(const Scene& scene, const Physics& physics, const std::vector<Con
     left -= steps;
     return (wall_seconds() - start) / static_cast<double>(steps);
   };
-  cost.step = run((left + 1) / 2, kWarmUp);
-  if (left > 0) cost.step = run(left, kTrial);
-  return cost;
-}
-
-State state_of(const Setup& setup) {
-  State state;
-  state.bodies = setup.bodies;
-  state.shift = setup.shift;
-  state.box = setup.box;
-  state.k_n = setup.k_n;
-  state.region_volume = setup.region_volume;
-  state.remnant.assign(state.bodies.size(), 1);
-  return state;
-}
-
-double coordination(const State& state) {
-  double contacts = 0.0;
-  for (std::size_t slot = 0; slot < state.contacts.slots(); ++slot) contacts += state.contacts.touching(slot);
-  return 2.0 * contacts / static_cast<double>(state.bodies.spheres.size());
+  trial.step = run((left + 1) / 2, kWarmUp);
+  if (left > 0) trial.step = run(left, kTrial);
+  return trial;
 }
 
 void check(const Options& options) {
   Scene scene = load_scene(options.scene);
   load_tracks(scene);
-  const Setup setup = assemble(scene);
+  Setup setup = assemble(scene);
+  std::vector<ContactRecord> contacts = std::move(setup.contacts);
+  State state = first_state(std::move(setup));
+  const Bodies& bodies = state.bodies;
   const std::vector<Wall> all_walls = make_walls(scene);
-  State state = state_of(setup);  // what is tried out changes no other stage's checks
-  std::vector<ContactRecord> contacts = setup.contacts;
-  use_threads_for(state.bodies.spheres.size());
+  use_threads_for(bodies.spheres.size());
   double mass = 0.0;
-  for (double m : setup.bodies.mass) mass += m;
+  for (double m : bodies.mass) mass += m;
   fmt::print("{}: {}\n{} bodies, {} spheres, {:.4g} kg; escape speed of the pile {:.3g} m/s\n",
-             options.scene.string(), scene.title, setup.bodies.size(), setup.bodies.spheres.size(), mass,
-             escape_speed(setup.bodies));
-  std::optional<Bodies> tried;  // the bodies of the first stage that takes time
-  Cost cost;
-  double seconds = 0.0, touching = 0.0;
+             options.scene.string(), scene.title, bodies.size(), bodies.spheres.size(), mass,
+             escape_speed(bodies));
+  std::optional<Trial> trial;  // of the first stage that takes time; the bodies after it are not known
+  double seconds = 0.0;
   for (std::size_t k = 0; k < scene.stages.size(); ++k) {
     if (scene.stages[k].operates()) {
       fmt::print("stage {} '{}'\n  operation  {}\n", k, scene.stages[k].name, describe_operation(scene, k));
-      if (!tried) {
-        operate(scene, k, state, contacts);
-        place_spheres(state.bodies);
-        state.remnant.assign(state.bodies.size(), 1);
-      }
+      if (trial) continue;
+      operate(scene, k, state, contacts);
+      place_spheres(state.bodies);
       continue;
     }
     const std::vector<Wall> walls = walls_of_stage(scene, k, all_walls);
-    const Bodies& bodies = tried ? *tried : state.bodies;
     const Physics physics = resolve_physics(scene, k, bodies, resolve_stiffness(scene, k, bodies, walls));
-    const bool first = !tried;
+    const bool first = !trial;
     if (first) {
-      tried = state.bodies;
       state.walls.walls = walls;
-      cost = try_steps(scene, physics, contacts, state);
-      touching = coordination(state);
+      trial = try_stage(scene, physics, contacts, state);
     }
     seconds += static_cast<double>(physics.steps) *
-               (cost.step + cost.row * std::min(1.0, physics.contacts.dt / physics.series_interval));
+               (trial->step + trial->row * std::min(1.0, physics.contacts.dt / physics.series_interval));
     fmt::print(
         "stage {} '{}'\n  models     {}\n  stiffness  {:.4g} N/m; shortest contact {:.4g} s\n"
         "  time step  {:.4g} s (longest safe {:.4g} s), {} steps for {:.6g} s\n",
-        k, scene.stages[k].name, describe_models(physics, *tried, !walls.empty(), setup.box.periodic()),
+        k, scene.stages[k].name, describe_models(physics, bodies, !walls.empty(), state.box.periodic()),
         physics.k_n, physics.contact_time, physics.contacts.dt, kLongestSafeStep * physics.contact_time,
         physics.steps, scene.stages[k].duration);
     if (first)
-      for (const std::string& w : warnings(physics, *tried, walls)) fmt::print("  warning    {}\n", w);
+      for (const std::string& w : warnings(physics, bodies, walls)) fmt::print("  warning    {}\n", w);
   }
-  if (!tried) return;                         // operations only
+  if (!trial) return;                         // operations only
   constexpr double bytes_per_sphere = 900.0;  // spheres, bodies, and six contacts with their histories
-  const auto spheres = static_cast<double>(tried->spheres.size());
+  const auto spheres = static_cast<double>(bodies.spheres.size());
   fmt::print(
       "memory about {:.0f} MB; about {:.3g} min at the speed of the first steps ({:.2f} M sphere-steps/s on "
       "{} threads{})\n",
-      1e-6 * bytes_per_sphere * spheres, seconds / 60.0, 1e-6 * spheres / cost.step, omp_get_max_threads(),
-      touching < 2.0 ? "; dense piles have more contacts than clouds" : "");
+      1e-6 * bytes_per_sphere * spheres, seconds / 60.0, 1e-6 * spheres / trial->step, omp_get_max_threads(),
+      trial->coordination < 2.0 ? "; dense piles have more contacts than clouds" : "");
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "body/select.h"
 
+#include "body/columns.h"
+
 namespace cairn {
 
 namespace {
@@ -30,25 +32,8 @@ std::vector<std::uint32_t> select_bodies(Bodies& bodies, const std::vector<std::
     first.push_back(next);
     ++body;
   }
-  keep_marked(spheres.radius, keep_sphere);
-  keep_marked(spheres.mass, keep_sphere);
-  keep_marked(spheres.offset, keep_sphere);
-  keep_marked(spheres.body, keep_sphere);
-  keep_marked(spheres.position, keep_sphere);
-  keep_marked(bodies.mass, keep);
-  keep_marked(bodies.volume, keep);
-  keep_marked(bodies.inertia, keep);
-  keep_marked(bodies.shape, keep);
-  keep_marked(bodies.length, keep);
-  keep_marked(bodies.material, keep);
-  keep_marked(bodies.position, keep);
-  keep_marked(bodies.remainder, keep);
-  keep_marked(bodies.velocity, keep);
-  keep_marked(bodies.orientation, keep);
-  keep_marked(bodies.spin, keep);
-  keep_marked(bodies.cell, keep);
-  keep_marked(bodies.force, keep);
-  keep_marked(bodies.torque, keep);
+  for_each_sphere_column([&](auto& values) { keep_marked(values, keep_sphere); }, spheres);
+  for_each_body_column([&](auto& values) { keep_marked(values, keep); }, bodies);
   bodies.first_sphere = std::move(first);
   return number;
 }

@@ -9,10 +9,9 @@ namespace cairn {
 
 namespace {
 
-constexpr std::uint64_t kLongLife = 1000;  // steps
-constexpr double kLeastSkin = 0.02;        // smallest radii
-constexpr std::size_t kManySpheres =
-    200000;  // from here on memory is worth more than the time to allocate it
+constexpr std::uint64_t kLongLife = 1000;     // steps
+constexpr double kLeastSkin = 0.02;           // smallest radii
+constexpr std::size_t kManySpheres = 200000;  // more than these need memory rather than quick allocations
 
 /// The shift of every slot: from the cells of its bodies, or to the nearest image.
 void find_shifts(const Bodies& bodies, const Box& box, ContactList& contacts) {

@@ -44,15 +44,4 @@ void gather_wrenches(const ContactList& contacts, const Others& others, Bodies& 
   });
 }
 
-/// The same where nothing else acts.
-inline void gather_wrenches(const ContactList& contacts, Bodies& bodies) {
-  gather_wrenches(
-      contacts,
-      [](std::size_t, std::size_t count, Vec3* force, Vec3* torque) {
-        std::fill_n(force, count, Vec3::Zero());
-        std::fill_n(torque, count, Vec3::Zero());
-      },
-      bodies, [](std::size_t, std::size_t) {});
-}
-
 }  // namespace cairn

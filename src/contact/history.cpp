@@ -122,10 +122,13 @@ void ContactList::release(std::size_t slot) {
   set_memory(slot, {.c_n = -1.0, .c_s = 0.0, .slide = {}, .roll = {}, .twist = 0.0});
 }
 
+std::size_t ContactList::contacts() const {
+  return static_cast<std::size_t>(std::count_if(c_n.begin(), c_n.end(), [](double c) { return c >= 0.0; }));
+}
+
 std::vector<ContactRecord> ContactList::records() const {
   std::vector<ContactRecord> out;
-  out.reserve(
-      static_cast<std::size_t>(std::count_if(c_n.begin(), c_n.end(), [](double c) { return c >= 0.0; })));
+  out.reserve(contacts());
   for (std::size_t slot = 0; slot < slots(); ++slot)
     if (touching(slot)) out.push_back({pairs_[slot].i, pairs_[slot].j, memory(slot)});
   return out;

@@ -65,6 +65,8 @@ class ContactList {
   /// First slot whose i is at least s; begin(spheres) is the number of slots.
   std::uint32_t begin(std::size_t s) const { return row_[s]; }
   bool touching(std::size_t slot) const { return c_n[slot] >= 0.0; }
+  /// How many pairs touch.
+  std::size_t contacts() const;
 
   ContactMemory<double> memory(std::size_t slot) const;
   void set_memory(std::size_t slot, const ContactMemory<double>& memory);
@@ -90,11 +92,10 @@ class ContactList {
   /// Shares of sphere s from earlier blocks: earlier[earlier_begin[s]] ... in increasing order.
   std::vector<std::uint32_t> earlier_begin, earlier;
 
-  std::vector<double> c_n;         ///< kg/s; < 0: not touching
-  std::vector<SlideSpring> slide;  ///< empty when there is no tangential force
-  std::vector<TurnSpring> turn;    ///< empty when nothing resists rolling and twisting
-  std::vector<WrenchShare>
-      shares;  ///< by block: of its spheres, then of those that its pairs reach outside it
+  std::vector<double> c_n;          ///< kg/s; < 0: not touching
+  std::vector<SlideSpring> slide;   ///< empty when there is no tangential force
+  std::vector<TurnSpring> turn;     ///< empty when nothing resists rolling and twisting
+  std::vector<WrenchShare> shares;  ///< by block: of its spheres, then of those its pairs reach outside it
   std::vector<std::uint32_t> first_share;       ///< of each block
   std::vector<std::uint32_t> share_of_j;        ///< where the wrench on j of a slot is added
   std::vector<ContactWrench> wrench;            ///< of each slot in the last sweep, while `keep_wrenches`

@@ -41,6 +41,11 @@ void look(HeldGravity& held, double time, const Vec3& omega) {
   held.omega = omega;
 }
 
+/// `from` is now what `to` was aimed at.
+void arrive(HeldGravity& held) {
+  if (!held.to.force.empty()) std::swap(held.from, held.to);
+}
+
 std::array<PackVec, 3> rows(const Quat& rotation) {
   const Mat3 matrix = rotation.toRotationMatrix();
   return {spread(matrix.row(0)), spread(matrix.row(1)), spread(matrix.row(2))};
@@ -67,12 +72,9 @@ void renew(HeldGravity& held, const Wrenches& now, std::span<const double> masse
     held.interval = static_cast<double>(held.steps) * dt;
     return;
   }
-  const bool moves = !held.to.force.empty();
-  held.miss = first ? 0.0 : relative_difference((moves ? held.to : held.from).force, now.force, masses);
-  if (!goes_on)
-    held.from = now;
-  else if (moves)
-    std::swap(held.from, held.to);
+  arrive(held);
+  held.miss = first ? 0.0 : relative_difference(held.from.force, now.force, masses);
+  if (!goes_on) held.from = now;
   held.steps = steps();
   held.interval = static_cast<double>(held.steps) * dt;
   const double ratio = first ? 0.0 : held.interval / passed;
@@ -91,7 +93,7 @@ bool rests(const HeldGravity& held, std::span<const Vec3> places, double reach) 
 
 void hold_on(HeldGravity& held, double time, const Vec3& omega, double dt, std::uint64_t steps) {
   look(held, time, omega);
-  if (!held.to.force.empty()) std::swap(held.from, held.to);
+  arrive(held);
   held.to = held.from == held.evaluated ? Wrenches{} : held.evaluated;
   held.steps = steps;
   held.interval = static_cast<double>(steps) * dt;

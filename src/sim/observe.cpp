@@ -1,5 +1,6 @@
 #include "sim/observe.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -131,6 +132,11 @@ std::vector<double> row(const Observation& observation) {
   return out;
 }
 
+double link_gap(const Scene& scene, const Bodies& bodies) {
+  const std::vector<double>& radii = bodies.spheres.radius;
+  return scene.output.remnant_gap * *std::min_element(radii.begin(), radii.end());
+}
+
 Observation observe(const Physics& physics, State& state, Scratch& scratch, double link_gap) {
   const Bodies& bodies = state.bodies;
   Ledger& ledger = state.ledger;
@@ -176,8 +182,7 @@ Observation observe(const Physics& physics, State& state, Scratch& scratch, doub
           ? none
           : relative((l - ledger.start_angular_momentum - turned).norm(), total.angular_scale_about_center);
 
-  std::size_t contacts = 0;
-  for (std::size_t slot = 0; slot < state.contacts.slots(); ++slot) contacts += state.contacts.touching(slot);
+  const std::size_t contacts = state.contacts.contacts();
   o.coordination = 2.0 * static_cast<double>(contacts) / static_cast<double>(bodies.spheres.size());
   o.contacts = static_cast<double>(contacts + state.walls.contacts.size());
   o.touching_bodies = static_cast<double>(touching_body_pairs(state));

@@ -27,6 +27,9 @@ struct Observation {
 std::vector<SeriesColumn> series_columns();
 std::vector<double> row(const Observation& observation);
 
+/// Gap (m) up to which bodies belong together, as the scene asks for it.
+double link_gap(const Scene& scene, const Bodies& bodies);
+
 /// Measures the state and renews its record of the largest remnant. `link_gap` (m): bodies closer than this
 /// belong together.
 Observation observe(const Physics& physics, State& state, Scratch& scratch, double link_gap);

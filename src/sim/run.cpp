@@ -61,13 +61,7 @@ Run::Run(Scene scene, Setup setup, ResultFile results, Operation operation)
     : Run(std::move(scene), std::move(results), std::move(operation)) {
   shapes_ = setup.shapes;
   inherited_ = std::move(setup.contacts);
-  state_.bodies = std::move(setup.bodies);
-  state_.frame = setup.frame;
-  state_.shift = setup.shift;
-  state_.box = setup.box;
-  state_.k_n = setup.k_n;
-  state_.region_volume = setup.region_volume;
-  state_.remnant.assign(state_.bodies.size(), 1);
+  state_ = first_state(std::move(setup));
   prepare_bodies();
   std::vector<TriangleMesh> meshes = load_wall_meshes(scene_);
   write_wall_meshes(results_, meshes);
@@ -106,8 +100,7 @@ std::vector<std::string> Run::warnings() const {
 }
 
 void Run::prepare_bodies() {
-  const auto& radii = state_.bodies.spheres.radius;
-  link_gap_ = scene_.output.remnant_gap * *std::min_element(radii.begin(), radii.end());
+  link_gap_ = link_gap(scene_, state_.bodies);
   place_spheres(state_.bodies);
 }
 

@@ -2,11 +2,10 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "body/cells.h"
-#include "contact/box.h"
-#include "contact/history.h"
+#include "sim/state.h"
 
 namespace cairn {
 
@@ -20,5 +19,18 @@ struct Setup {
   double region_volume = 0.0;           ///< m^3, see State
   double k_n = 0.0;                     ///< N/m, stiffness those contacts had; 0: none
 };
+
+/// The state in which a run of this setup begins, before its first stage; it has no contacts yet.
+inline State first_state(Setup setup) {
+  State state;
+  state.remnant.assign(setup.bodies.size(), 1);
+  state.bodies = std::move(setup.bodies);
+  state.frame = setup.frame;
+  state.shift = setup.shift;
+  state.box = setup.box;
+  state.k_n = setup.k_n;
+  state.region_volume = setup.region_volume;
+  return state;
+}
 
 }  // namespace cairn

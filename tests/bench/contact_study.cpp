@@ -50,41 +50,32 @@ duration = 10
   return worst;
 }
 
-struct Setting {
-  std::string name, tables;
-};
-
 /// Critical periods of the piles for each setting, as rows of a table whose first columns `start` writes;
 /// differences are to the setting `reference`.
 template <class Start>
 void spin_up(Study& study, const char* kind, const std::vector<Setting>& settings, std::size_t reference,
              int piles, const Start& start) {
-  const auto period = [&](std::size_t k, int seed) {
-    return study
-               .run(fmt::format("{}-{}-{}", kind, seed, k),
-                    spin_scene(fmt::format("collapse-{}.h5", seed), settings[k].tables))
-               .period /
-           3600.0;
+  const auto run = [&](std::size_t k, int seed) {
+    return study.run(fmt::format("{}-{}-{}", kind, seed, k),
+                     spin_scene(fmt::format("collapse-{}.h5", seed), settings[k].tables));
   };
   for (std::size_t k = 0; k < settings.size(); ++k) {
     start(k);
-    double mean = 0.0, square = 0.0;
+    Differences differences;
     Outcome sum;
     for (int seed = 1; seed <= piles; ++seed) {
-      const double difference = period(k, seed) - period(reference, seed);
-      const Outcome o = study.run(fmt::format("{}-{}-{}", kind, seed, k), "");
-      mean += difference / piles;
-      square += difference * difference / piles;
+      const Outcome o = run(k, seed);
+      differences.add((o.period - run(reference, seed).period) / 3600.0);
       sum.overlap = std::max(sum.overlap, o.overlap);
       sum.angular = std::max(sum.angular, o.angular);
       sum.energy = std::max(sum.energy, o.energy);
       sum.steps += o.steps / piles;
       sum.cost += o.cost / piles;
-      fmt::print(" {:.3f} |", period(k, seed));
+      fmt::print(" {:.3f} |", o.period / 3600.0);
     }
-    fmt::print(" {:+.3f} | {:.3f} | {:.2f} | {:.1e} | {:.1e} | {:.0f} | {:.0f} |\n", mean,
-               std::sqrt(std::max(0.0, square - mean * mean)), 100.0 * sum.overlap, sum.energy, sum.angular,
-               1e-3 * sum.steps, sum.cost);
+    fmt::print(" {:+.3f} | {:.3f} | {:.2f} | {:.1e} | {:.1e} | {:.0f} | {:.0f} |\n", differences.mean(),
+               differences.scatter(), 100.0 * sum.overlap, sum.energy, sum.angular, 1e-3 * sum.steps,
+               sum.cost);
     std::fflush(stdout);
   }
 }
@@ -108,17 +99,14 @@ void aggregates(Study& study) {
       "| spheres per boulder | contacts per boulder | neighbours per boulder | critical period, h | "
       "microseconds per boulder and step | 1000 steps | cost, s |\n|---|---|---|---|---|---|---|\n");
   for (const int n : {1, 2, 4, 8, 16, 32}) {
-    std::string cloud = collapse_scene(1, "[contact]\nmax_overlap = 0.03\noverlap_limit = 0.5");
-    const auto replace = [&](const std::string& from, const std::string& to) {
-      cloud.replace(cloud.find(from), from.size(), to);
-    };
-    replace("count = 1500", "count = 400");
-    replace("size = 8\nsize_max = 12", "size = 12\nsize_max = 12.001");
-    replace("\"sphere\"", fmt::format("\"boulder-{}.toml\"", n));
-    const Outcome made = study.run(fmt::format("boulders-{}", n), cloud);
-    const Outcome o = study.run(
-        fmt::format("boulders-spin-{}", n),
-        spin_scene(fmt::format("boulders-{}.h5", n), "[contact]\nmax_overlap = 0.03\noverlap_limit = 0.5"));
+    const std::string soft = "[contact]\nmax_overlap = 0.03\noverlap_limit = 0.5";
+    const Outcome made = study.run(
+        fmt::format("boulders-{}", n),
+        collapse_scene(
+            1, soft,
+            {.count = 400, .size = 12.0, .size_max = 12.001, .shape = fmt::format("boulder-{}.toml", n)}));
+    const Outcome o =
+        study.run(fmt::format("boulders-spin-{}", n), spin_scene(fmt::format("boulders-{}.h5", n), soft));
     fmt::print("| {} | {:.2f} | {:.2f} | {:.3f} | {:.2f} | {:.0f} | {:.0f} |\n", n, made.contacts / 400.0,
                made.neighbours / 400.0, o.period / 3600.0, 1e6 * o.cost / o.steps / 400.0, 1e-3 * o.steps,
                o.cost);

@@ -118,11 +118,10 @@ void pack(const Recipe& recipe, const std::filesystem::path& path) {
                 static_cast<int>(clock.steps));
     return std::fflush(stdout) == 0;
   });
-  double contacts = 0.0;
-  for (std::size_t slot = 0; slot < run.state().contacts.slots(); ++slot)
-    contacts += run.state().contacts.touching(slot);
-  std::printf("\r%zu spheres, %.2f contacts per sphere, largest overlap %.3g\n", run.sphere_count(),
-              2.0 * contacts / static_cast<double>(run.sphere_count()), run.state().ledger.recent_overlap);
+  std::printf(
+      "\r%zu spheres, %.2f contacts per sphere, largest overlap %.3g\n", run.sphere_count(),
+      2.0 * static_cast<double>(run.state().contacts.contacts()) / static_cast<double>(run.sphere_count()),
+      run.state().ledger.recent_overlap);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 
+#include "body/columns.h"
 #include "core/parallel.h"
 #include "core/runtime.h"
 #include "core/timer.h"
@@ -25,10 +26,10 @@ const std::map<std::string, std::string> kMaterials{
 
 constexpr std::array<int, 3> kOne{1, 1, 1};
 
-/// Copies of the bodies side by side; the box grows with them.
-Bodies tiled(const Setup& setup, const std::array<int, 3>& tiles, Box& box) {
-  if (tiles == kOne) return setup.bodies;
-  Bodies all;
+/// Copies of the bodies side by side, without contacts; the box grows with them.
+Setup tiled(const Setup& setup, const std::array<int, 3>& tiles) {
+  Setup out;
+  Bodies& all = out.bodies;
   const Bodies& one = setup.bodies;
   const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
   for (int i = 0; i < tiles[0]; ++i)
@@ -41,28 +42,13 @@ Bodies tiled(const Setup& setup, const std::array<int, 3>& tiles, Box& box) {
         for (std::uint32_t& b : copy.spheres.body) b += bodies;
         for (std::uint32_t& s : copy.first_sphere) s += spheres;
         if (!all.first_sphere.empty()) all.first_sphere.pop_back();
-        append(all.mass, copy.mass);
-        append(all.volume, copy.volume);
-        append(all.inertia, copy.inertia);
-        append(all.shape, copy.shape);
-        append(all.length, copy.length);
-        append(all.material, copy.material);
         append(all.first_sphere, copy.first_sphere);
-        append(all.position, copy.position);
-        append(all.remainder, copy.remainder);
-        append(all.velocity, copy.velocity);
-        append(all.orientation, copy.orientation);
-        append(all.spin, copy.spin);
-        append(all.force, copy.force);
-        append(all.torque, copy.torque);
-        append(all.spheres.radius, copy.spheres.radius);
-        append(all.spheres.mass, copy.spheres.mass);
-        append(all.spheres.offset, copy.spheres.offset);
-        append(all.spheres.body, copy.spheres.body);
-        append(all.spheres.position, copy.spheres.position);
+        for_each_body_column(append, all, copy);
+        for_each_sphere_column(append, all.spheres, copy.spheres);
       }
-  box.edge = setup.box.edge.cwiseProduct(Vec3(tiles[0], tiles[1], tiles[2]));
-  return all;
+  out.box.edge = setup.box.edge.cwiseProduct(Vec3(tiles[0], tiles[1], tiles[2]));
+  out.k_n = setup.k_n;
+  return out;
 }
 
 /// A packing as it was left by its build, with the material's springs as they come.
@@ -83,11 +69,8 @@ struct Packing {
         "1e6\nmaterial = \"nominal\"\n[contact]\nstiffness = 1e7\noverlap_limit = 0.3\n";
     scene = parse_scene(text, "bench.toml", ".");
     Setup setup = assemble(scene);
-    state.box = setup.box;
-    state.bodies = tiled(setup, tiles, state.box);
-    if (tiles != kOne) setup.contacts.clear();  // springs begin anew
-    state.k_n = setup.k_n;
-    state.remnant.assign(state.bodies.size(), 1);
+    if (tiles != kOne) setup = tiled(setup, tiles);
+    state = first_state(setup);
     use_threads_for(state.bodies.spheres.size());
     physics = resolve_physics(scene, 0, state.bodies, *scene.contact.stiffness);
     begin_stage(physics, setup.contacts, state, scratch);
@@ -113,17 +96,11 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-double touching(const State& state) {
-  double contacts = 0.0;
-  for (std::size_t slot = 0; slot < state.contacts.slots(); ++slot) contacts += state.contacts.touching(slot);
-  return contacts;
-}
-
 void whole_step(benchmark::State& run, const std::string& pile, const std::string& material,
                 const std::array<int, 3>& tiles) {
   Packing packing(pile, material, tiles);
   const double spheres = static_cast<double>(packing.state.bodies.spheres.size());
-  const double before = touching(packing.state);
+  const double before = static_cast<double>(packing.state.contacts.contacts());
   for (int k = 0; k < 20; ++k) step(packing.physics, packing.state, packing.scratch);
   // Of each phase the tenth part of the steps that took least: other jobs interrupt the rest.
   std::array<std::vector<double>, kPhaseNames.size() + 1> seconds;
@@ -143,7 +120,7 @@ void whole_step(benchmark::State& run, const std::string& pile, const std::strin
   };
   run.counters["M/s"] = 1e-6 / quick(seconds.back());
   run.counters["M/cpu_s"] = 1e-6 / quick(cpu);
-  run.counters["contacts"] = 2.0 * touching(packing.state) / spheres;
+  run.counters["contacts"] = 2.0 * static_cast<double>(packing.state.contacts.contacts()) / spheres;
   run.counters["contacts_before"] = 2.0 * before / spheres;
   run.counters["candidates"] = 2.0 * static_cast<double>(packing.state.contacts.slots()) / spheres;
   for (std::size_t k = 0; k < 3; ++k)

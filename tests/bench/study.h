@@ -33,21 +33,27 @@ friction_rolling = 0.3
 friction_twisting = 0.3
 )";
 
-/// 1500 spheres of 8 to 12 m fall together and settle. `tables`: [gravity] and the like.
-inline std::string collapse_scene(int seed, const std::string& tables) {
+struct StudyCloud {
+  int count = 1500;
+  double size = 8.0, size_max = 12.0;  ///< m
+  std::string shape = "sphere";
+};
+
+/// A cloud falls together and settles. `tables`: [gravity] and the like.
+inline std::string collapse_scene(int seed, const std::string& tables, const StudyCloud& cloud = {}) {
   return fmt::format(R"(
 seed = {}
 [[cloud]]
-count = 1500
+count = {}
 filling = 0.2
 distribution = "uniform"
-size = 8
-size_max = 12
+size = {}
+size_max = {}
 density = 3000
 material = "nominal"
 spin_period = 72000
 [[cloud.shape]]
-shape = "sphere"
+shape = "{}"
 {}
 {}
 [[stage]]
@@ -62,7 +68,7 @@ impact_speed = 0.02
 [output]
 series_interval = 100
 )",
-                     seed, kMaterials, tables);
+                     seed, cloud.count, cloud.size, cloud.size_max, cloud.shape, kMaterials, tables);
 }
 
 /// Such a pile is spun up until c/a has fallen by 1 %.
@@ -83,6 +89,26 @@ series_interval = 10
 )",
                      pile, kMaterials, tables);
 }
+
+/// A way to run: its name in the tables, and the scene's tables that ask for it.
+struct Setting {
+  std::string name, tables;
+};
+
+/// Differences of several piles.
+class Differences {
+ public:
+  void add(double difference) {
+    ++count_;
+    sum_ += difference;
+    squares_ += difference * difference;
+  }
+  double mean() const { return sum_ / count_; }
+  double scatter() const { return std::sqrt(std::max(0.0, squares_ / count_ - mean() * mean())); }
+
+ private:
+  double count_ = 0.0, sum_ = 0.0, squares_ = 0.0;
+};
 
 /// What is kept of a run.
 struct Outcome {

@@ -7,10 +7,10 @@
 
 #include "body/cells.h"
 #include "contact/candidates.h"
-#include "contact/gather.h"
 #include "contact/sweep.h"
 #include "core/error.h"
 #include "core/random.h"
+#include "gather_contacts.h"
 #include "shape/library.h"
 
 namespace cairn {
@@ -124,7 +124,7 @@ struct Touch {
     ContactList contacts;
     Candidates().rebuild(bodies, {}, settings.features, contacts, box);
     sweep(bodies, motions, settings, contacts);
-    gather_wrenches(contacts, bodies);
+    gather_contacts(contacts, bodies);
     force = bodies.force;
     torque = bodies.torque;
     records = contacts.records();

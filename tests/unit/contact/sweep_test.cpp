@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "contact/candidates.h"
-#include "contact/gather.h"
 #include "core/random.h"
 #include "core/vector.h"
+#include "gather_contacts.h"
 #include "shape/library.h"
 
 namespace cairn {
@@ -205,7 +205,7 @@ void expect_pair_by_pair(std::size_t materials, bool sphere_damping) {
     expect_near(vector(memory.roll), vector(expected.roll), 1e-2);
     EXPECT_NEAR(memory.twist, expected.twist, 1e-13);
   }
-  gather_wrenches(heap.contacts, bodies);
+  gather_contacts(heap.contacts, bodies);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     expect_near(bodies.force[b], force[b], 10.0 * strongest);
     expect_near(bodies.torque[b], torque[b], 10.0 * strongest);
@@ -246,7 +246,7 @@ TEST(Sweep, SpringsOfAPairThatPartsAreLostAndCounted) {
   contacts.shares[0] = WrenchShare(5.0);
   EXPECT_NEAR(sweep(bodies, motions, settings, contacts).dissipated, springs, 1e-12 * springs);
   EXPECT_EQ(stored_energy(bodies, settings, contacts), 0.0);
-  gather_wrenches(contacts, bodies);
+  gather_contacts(contacts, bodies);
   EXPECT_EQ(bodies.force[0], Vec3(Vec3::Zero()));
   // When they meet again, the springs start anew.
   ContactMemory<double> memory = contacts.memory(0);
