@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
 
 #include "core/parallel.h"
 
@@ -11,6 +12,7 @@ namespace {
 
 constexpr std::uint64_t kLongLife = 1000;     // steps
 constexpr double kLeastSkin = 0.02;           // smallest radii
+constexpr float kNotZero = std::numeric_limits<float>::min();  // more than no margin at all
 constexpr std::size_t kManySpheres = 200000;  // more than these need memory rather than quick allocations
 
 /// The shift of every slot: from the cells of its bodies, or to the nearest image.
@@ -31,7 +33,7 @@ void set_lattice(const Bodies& bodies, const Box& box, ContactList& contacts) {
   contacts.lattice_rate = box.rate;
 }
 
-bool Candidates::expired(const Bodies& bodies, double time, const Box& box) const {
+bool Candidates::expired(const Bodies& bodies, double time, ContactList& contacts, const Box& box) const {
   const Spheres& spheres = bodies.spheres;
   if (reference_.size() != spheres.size() || bodies.cell != cells_) return true;
   const double elapsed = time - motion_.time;
@@ -48,20 +50,25 @@ bool Candidates::expired(const Bodies& bodies, double time, const Box& box) cons
     limit = 0.5 * (least * skin_ - (1.0 - least) * 2.0 * largest_);
   }
   if (!(limit > 0.0)) return true;
-  const double limit2 = limit * limit;
+  const float limit2 = static_cast<float>(limit * limit);
   const bool one_cell = bodies.cell.empty();
   std::atomic<bool> moved = false;
   parallel_blocks(spheres.size(), 2048, [&](std::size_t begin, std::size_t end) {
     bool far = false;
-    const auto moved_from = [&](const Vec3& x, std::size_t s) {  // written so that NaN counts as far
-      return !((x - center - turn * reference_[s]).squaredNorm() < limit2);
+    const auto look = [&](const Vec3& x, std::size_t s) {
+      const double moved2 = (x - center - turn * reference_[s]).squaredNorm();
+      contacts.moved[s] = static_cast<float>(moved2) + kNotZero;
+      far |= !(contacts.moved[s] < limit2);  // so that NaN counts as far
     };
     if (one_cell)
-      for (std::size_t s = begin; s < end; ++s) far |= moved_from(spheres.position[s], s);
+      for (std::size_t s = begin; s < end; ++s) look(spheres.position[s], s);
     else
-      for (std::size_t s = begin; s < end; ++s) far |= moved_from(sphere_place(bodies, s), s);
+      for (std::size_t s = begin; s < end; ++s) look(sphere_place(bodies, s), s);
     if (far) moved.store(true, std::memory_order_relaxed);
   });
+  // Distances in a strained box change though no sphere moves.
+  if (box.edge != edge_)
+    std::fill(contacts.moved.begin(), contacts.moved.end(), std::numeric_limits<float>::infinity());
   return moved;
 }
 
@@ -88,6 +95,8 @@ void Candidates::rebuild(const Bodies& bodies, const RigidMotion& motion, const 
   contacts.rebuild(pairs_, spheres.size(), features);
   if (many) pairs_ = {};
   find_shifts(bodies, box, contacts);
+  contacts.set_margins(spheres);
+  std::fill(contacts.moved.begin(), contacts.moved.end(), kNotZero);
   motion_ = motion;
   cells_ = bodies.cell;
   edge_ = box.edge;

@@ -26,8 +26,8 @@ void set_lattice(const Bodies& bodies, const Box& box, ContactList& contacts);
 class Candidates {
  public:
   /// Whether some sphere has moved too far, relative to the motion at the last rebuild and to the strain of
-  /// the box since.
-  bool expired(const Bodies& bodies, double time, const Box& box = {}) const;
+  /// the box since. If none has, `contacts` is told how far they have moved.
+  bool expired(const Bodies& bodies, double time, ContactList& contacts, const Box& box = {}) const;
 
   /// Whether a list of that age (steps) has lived so long that a tighter one would be quicker.
   bool too_wide(std::uint64_t age) const;

@@ -2,17 +2,26 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 #include <utility>
 
 #include "core/error.h"
+#include "core/parallel.h"
 
 namespace cairn {
+
+namespace {
+
+constexpr double kNoMargin = -std::numeric_limits<double>::min();  // in place of c_n
+
+}  // namespace
 
 void ContactList::rebuild(std::vector<Pair>& pairs, std::size_t spheres, const Features& features) {
   pairs_.swap(pairs);  // `pairs` are the former ones now
   features_ = features;
+  moved.assign(spheres, std::numeric_limits<float>::infinity());
   const std::size_t n = slots();
-  const auto former_c_n = std::exchange(c_n, std::vector<double>(n, -1.0));
+  const auto former_c_n = std::exchange(c_n, std::vector<double>(n, kNoMargin));
   const auto former_slide = std::exchange(slide, std::vector<SlideSpring>(features.tangential ? n : 0));
   const auto former_turn =
       std::exchange(turn, std::vector<TurnSpring>(features.rolling || features.twisting ? n : 0));
@@ -92,6 +101,17 @@ void ContactList::set_shifts(bool any, const std::function<Vec3(const Pair&)>& s
   is_shifted.clear();
 }
 
+void ContactList::set_margins(const Spheres& spheres) {
+  constexpr double kCaution = 0.9;  // places and displacements are rounded
+  parallel_for(slots(), [&](std::size_t slot) {
+    if (touching(slot)) return;
+    const Pair& p = pairs_[slot];
+    const double distance = (spheres.position[p.j] - spheres.position[p.i] + shift_of(slot)).norm();
+    const double gap = kCaution * (distance - spheres.radius[p.i] - spheres.radius[p.j]);
+    if (gap > 0.0) c_n[slot] = std::min(-0.5 * gap * gap, kNoMargin);  // (a + b)^2 <= 2 (a^2 + b^2)
+  });
+}
+
 ContactMemory<double> ContactList::memory(std::size_t slot) const {
   ContactMemory<double> m{};
   m.c_n = c_n[slot];
@@ -119,7 +139,7 @@ void ContactList::set_memory(std::size_t slot, const ContactMemory<double>& m) {
 }
 
 void ContactList::release(std::size_t slot) {
-  set_memory(slot, {.c_n = -1.0, .c_s = 0.0, .slide = {}, .roll = {}, .twist = 0.0});
+  set_memory(slot, {.c_n = kNoMargin, .c_s = 0.0, .slide = {}, .roll = {}, .twist = 0.0});
 }
 
 std::size_t ContactList::contacts() const {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "body/bodies.h"
 #include "contact/law/features.h"
 #include "contact/law/law.h"
 #include "contact/search.h"
@@ -65,6 +66,8 @@ class ContactList {
   /// First slot whose i is at least s; begin(spheres) is the number of slots.
   std::uint32_t begin(std::size_t s) const { return row_[s]; }
   bool touching(std::size_t slot) const { return c_n[slot] >= 0.0; }
+  /// Finds out how far the spheres of each pair that does not touch must move to do so.
+  void set_margins(const Spheres& spheres);
   /// How many pairs touch.
   std::size_t contacts() const;
 
@@ -92,7 +95,10 @@ class ContactList {
   /// Shares of sphere s from earlier blocks: earlier[earlier_begin[s]] ... in increasing order.
   std::vector<std::uint32_t> earlier_begin, earlier;
 
-  std::vector<double> c_n;          ///< kg/s; < 0: not touching
+  /// kg/s; negative: the pair does not touch, and cannot while the sum of `moved` over both spheres is less
+  /// than -c_n (m^2).
+  std::vector<double> c_n;
+  std::vector<float> moved;  ///< m^2, square of each sphere's displacement since the list was made
   std::vector<SlideSpring> slide;   ///< empty when there is no tangential force
   std::vector<TurnSpring> turn;     ///< empty when nothing resists rolling and twisting
   std::vector<WrenchShare> shares;  ///< by block: of its spheres, then of those its pairs reach outside it

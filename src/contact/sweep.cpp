@@ -227,9 +227,16 @@ class Block {
       count += touching;
       apart += !touching;
     }
+    std::size_t near = 0;  // of those apart: may have come to touch
+    for (std::size_t k = 0; k < apart; ++k) {
+      slot = fresh[k];
+      const Pair pair = contacts_.pair(slot);
+      fresh[near] = slot;
+      near += !(contacts_.moved[pair.i] + contacts_.moved[pair.j] < -contacts_.c_n[slot]);
+    }
     const Spheres& spheres = bodies_.spheres;
     std::size_t begun = 0;
-    for (std::size_t k = 0; k < apart; ++k) {
+    for (std::size_t k = 0; k < near; ++k) {
       slot = fresh[k];
       const Pair pair = contacts_.pair(slot);
       const Vec3 &a = spheres.position[pair.i], &b = spheres.position[pair.j];

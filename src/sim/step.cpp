@@ -70,7 +70,7 @@ Strain begin_strain(const Physics& physics, const Box& box) {
 void refresh_neighbours(const Physics& physics, State& state, Scratch& scratch) {
   ++scratch.list_age;
   if (!scratch.candidates.too_wide(scratch.list_age) &&
-      !scratch.candidates.expired(state.bodies, state.clock.time(), state.box)) {
+      !scratch.candidates.expired(state.bodies, state.clock.time(), state.contacts, state.box)) {
     set_lattice(state.bodies, state.box, state.contacts);
     return;
   }

@@ -222,7 +222,7 @@ TEST(Candidates, InAStrainedBoxHoldEveryTouchingPairUntilTheyExpire) {
     box.edge *= 0.9995;
     for (Vec3& x : bodies.position) x *= 0.9995;
     place_spheres(bodies);
-    if (candidates.expired(bodies, 0.0, box)) break;
+    if (candidates.expired(bodies, 0.0, contacts, box)) break;
     for (const Pair& p : all_images(bodies, box.edge, 0.0)) {
       bool listed = false;
       for (std::uint32_t slot = contacts.begin(p.i); slot < contacts.begin(p.i + 1); ++slot)

@@ -92,21 +92,21 @@ TEST(Candidates, OfAPileThatTurnsAsOneBodyNeverExpire) {
   TurningPile pile;
   Candidates candidates;
   ContactList contacts;
-  EXPECT_TRUE(candidates.expired(pile.bodies, pile.motion.time));
+  EXPECT_TRUE(candidates.expired(pile.bodies, pile.motion.time, contacts));
   candidates.rebuild(pile.bodies, pile.motion, kWhole, contacts);
   EXPECT_GT(contacts.slots(), 50u);
   for (double t = 10.0; t < 1000.0; t += 0.7) {
     pile.place(t);
-    ASSERT_FALSE(candidates.expired(pile.bodies, t)) << t;
+    ASSERT_FALSE(candidates.expired(pile.bodies, t, contacts)) << t;
   }
   // One body that leaves its place by more than half the skin (a tenth of the smallest radius) ends the list.
   pile.place(500.0);
   pile.bodies.position[7].x() += 0.04;
   place_spheres(pile.bodies);
-  EXPECT_FALSE(candidates.expired(pile.bodies, 500.0));
+  EXPECT_FALSE(candidates.expired(pile.bodies, 500.0, contacts));
   pile.bodies.position[7].x() += 0.02;
   place_spheres(pile.bodies);
-  EXPECT_TRUE(candidates.expired(pile.bodies, 500.0));
+  EXPECT_TRUE(candidates.expired(pile.bodies, 500.0, contacts));
 }
 
 TEST(Candidates, HoldEveryTouchingPairUntilTheyExpire) {
@@ -117,7 +117,7 @@ TEST(Candidates, HoldEveryTouchingPairUntilTheyExpire) {
   Random random(2, 0);
   for (Vec3& x : pile.offset) x += 0.0499 * random.direction();  // almost half the skin, any way
   pile.place(60.0);
-  ASSERT_FALSE(candidates.expired(pile.bodies, 60.0));
+  ASSERT_FALSE(candidates.expired(pile.bodies, 60.0, contacts));
   const Spheres& s = pile.bodies.spheres;
   std::size_t touching = 0;
   for (std::uint32_t i = 0; i < s.size(); ++i)
@@ -172,7 +172,7 @@ TEST(Candidates, SkinGrowsWhenListsAreShortLivedAndShrinksWhenTheyLast) {
     candidates.rebuild(bodies, {}, kNormal, contacts);
     for (double moved = 0.0;; moved += 0.005) {
       bodies.spheres.position[1].x() = 100.0 + moved;
-      if (candidates.expired(bodies, 0.0)) return moved;
+      if (candidates.expired(bodies, 0.0, contacts)) return moved;
     }
   };
   EXPECT_NEAR(half_skin(100, 3), 0.05, 0.006);
@@ -188,7 +188,7 @@ TEST(Candidates, PositionThatIsNotFiniteExpires) {
   ContactList contacts;
   candidates.rebuild(pile.bodies, pile.motion, kNormal, contacts);
   pile.bodies.spheres.position[3].y() = std::nan("");
-  EXPECT_TRUE(candidates.expired(pile.bodies, pile.motion.time));
+  EXPECT_TRUE(candidates.expired(pile.bodies, pile.motion.time, contacts));
 }
 
 }  // namespace
