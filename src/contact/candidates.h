@@ -37,11 +37,13 @@ class Candidates {
   void rebuild(const Bodies& bodies, const RigidMotion& motion, const Features& features,
                ContactList& contacts, const Box& box = {});
 
-  /// Tells the age of the list in steps when it expired, to adapt the skin. The result of the run does not
-  /// depend on the skin.
-  void adapt_skin(std::uint64_t age);
+  /// Tells the age of the list in steps when it expired, to adapt the skin: of all spheres, or of a few that
+  /// fly about while the others stay where they are. The result of the run does not depend on the skin.
+  void adapt_skin(std::uint64_t age, const ContactList& contacts);
 
  private:
+  bool widen_few(std::uint64_t age, const std::vector<float>& moved);
+
   NearPairs search_;
   std::vector<Vec3> reference_;  ///< sphere centres at the rebuild, relative to the motion's centre
   std::vector<Pair> pairs_;
@@ -49,6 +51,7 @@ class Candidates {
   Vec3 edge_ = Vec3::Zero();  ///< m, of the box, at the rebuild
   RigidMotion motion_;
   double skin_ = 0.0;                      ///< m; 0: not chosen yet
+  std::vector<double> own_;                ///< m, half the skin of each sphere; empty when none has its own
   double smallest_ = 0.0, largest_ = 0.0;  ///< m, sphere radii
 };
 

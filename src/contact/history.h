@@ -98,7 +98,7 @@ class ContactList {
   /// kg/s; negative: the pair does not touch, and cannot while the sum of `moved` over both spheres is less
   /// than -c_n (m^2).
   std::vector<double> c_n;
-  std::vector<float> moved;  ///< m^2, square of each sphere's displacement since the list was made
+  std::vector<float> moved;         ///< m^2, square of each sphere's displacement since the list was made
   std::vector<SlideSpring> slide;   ///< empty when there is no tangential force
   std::vector<TurnSpring> turn;     ///< empty when nothing resists rolling and twisting
   std::vector<WrenchShare> shares;  ///< by block: of its spheres, then of those its pairs reach outside it

@@ -10,17 +10,24 @@
 namespace cairn {
 
 void NearPairs::find(const Bodies& bodies, const Box& box, double gap, std::vector<Pair>& pairs) {
-  const Spheres& spheres = bodies.spheres;
+  std::vector<double> reach(bodies.spheres.radius.begin(), bodies.spheres.radius.end());
+  for (double& r : reach) r += 0.5 * gap;
+  find(bodies, box, reach, pairs);
+}
+
+void NearPairs::find(const Bodies& bodies, const Box& box, std::span<const double> reach,
+                     std::vector<Pair>& pairs) {
   if (box.periodic())
-    find_in_box(bodies, box, gap, pairs);
+    find_in_box(bodies, box, reach, pairs);
   else if (!bodies.cell.empty())
-    find_across_cells(bodies, gap, pairs);
+    find_across_cells(bodies, reach, pairs);
   else
-    search_.find(spheres.position, spheres.radius, spheres.body, gap, pairs);
+    search_.find(bodies.spheres.position, reach, bodies.spheres.body, 0.0, pairs);
 }
 
 // Plain coordinates are good enough to look for neighbours with a little more gap; the verdict is exact.
-void NearPairs::find_across_cells(const Bodies& bodies, double gap, std::vector<Pair>& pairs) {
+void NearPairs::find_across_cells(const Bodies& bodies, std::span<const double> reach,
+                                  std::vector<Pair>& pairs) {
   const Spheres& spheres = bodies.spheres;
   positions_.resize(spheres.size());
   double far = 0.0;
@@ -29,28 +36,28 @@ void NearPairs::find_across_cells(const Bodies& bodies, double gap, std::vector<
     far = std::max(far, positions_[s].cwiseAbs().maxCoeff());
   }
   const double rounding = 8.0 * std::numeric_limits<double>::epsilon() * far;
-  search_.find(positions_, spheres.radius, spheres.body, gap + (std::isfinite(far) ? rounding : 0.0), pairs);
+  search_.find(positions_, reach, spheres.body, std::isfinite(far) ? rounding : 0.0, pairs);
   std::erase_if(pairs, [&](const Pair& p) {
     const Vec3 d = (spheres.position[p.j] - spheres.position[p.i]) +
                    bodies.cell_edge * (bodies.cell[spheres.body[p.j]] - bodies.cell[spheres.body[p.i]]);
-    return !closer_than(d.x(), d.y(), d.z(), (spheres.radius[p.i] + spheres.radius[p.j]) + gap);
+    return !closer_than(d.x(), d.y(), d.z(), reach[p.i] + reach[p.j]);
   });
 }
 
 // Every pair across the border is found once: of two images of a pair that are opposite to each other, only
 // the one whose first step is positive is laid out.
-void NearPairs::find_in_box(const Bodies& bodies, const Box& box, double gap, std::vector<Pair>& pairs) {
+void NearPairs::find_in_box(const Bodies& bodies, const Box& box, std::span<const double> reach,
+                            std::vector<Pair>& pairs) {
   const Spheres& spheres = bodies.spheres;
   const std::size_t count = spheres.size();
   if (count == 0) return pairs.clear();
-  const double largest = *std::max_element(spheres.radius.begin(), spheres.radius.end());
+  const double longest = *std::max_element(reach.begin(), reach.end());
   for (const double edge : box.edge)
-    if (edge > 0.0 && !(edge > 4.0 * largest + 2.0 * gap))
-      throw InputError(
-          "a periodic box {:g} m wide is too small to look {:g} m far around spheres of up to {:g} m", edge,
-          gap, largest);
+    if (edge > 0.0 && !(edge > 4.0 * longest))
+      throw InputError("a periodic box {:g} m wide is too small to look {:g} m around every sphere", edge,
+                       longest);
   positions_.resize(count);
-  radii_.assign(spheres.radius.begin(), spheres.radius.end());
+  reach_.assign(reach.begin(), reach.end());
   body_.assign(spheres.body.begin(), spheres.body.end());
   original_.resize(count);
   for (std::uint32_t s = 0; s < count; ++s) {
@@ -60,8 +67,8 @@ void NearPairs::find_in_box(const Bodies& bodies, const Box& box, double gap, st
       if (box.edge[axis] > 0.0) x[axis] -= std::floor(x[axis] / box.edge[axis]) * box.edge[axis];
   }
   const auto near = [&](std::size_t s, int axis, int step) {
-    const double reach = (radii_[s] + largest + gap) * (1.0 + 1e-12), x = positions_[s][axis];
-    return step == 0 || (box.edge[axis] > 0.0 && (step > 0 ? x < reach : x > box.edge[axis] - reach));
+    const double width = (reach_[s] + longest) * (1.0 + 1e-12), x = positions_[s][axis];
+    return step == 0 || (box.edge[axis] > 0.0 && (step > 0 ? x < width : x > box.edge[axis] - width));
   };
   for (std::uint32_t s = 0; s < count; ++s)
     for (int i = 0; i <= 1; ++i) {
@@ -71,13 +78,13 @@ void NearPairs::find_in_box(const Bodies& bodies, const Box& box, double gap, st
         for (int k = i > 0 || j > 0 ? -1 : 1; k <= 1; ++k) {
           if (!near(s, 2, k)) continue;
           positions_.push_back(positions_[s] + box.edge.cwiseProduct(Vec3(i, j, k)));
-          radii_.push_back(radii_[s]);
+          reach_.push_back(reach_[s]);
           body_.push_back(body_[s]);
           original_.push_back(s);
         }
       }
     }
-  search_.find(positions_, radii_, body_, gap, pairs);
+  search_.find(positions_, reach_, body_, 0.0, pairs);
   std::erase_if(pairs, [&](const Pair& p) { return p.i >= count; });  // two images
   for (Pair& p : pairs) {
     const std::uint32_t i = p.i, j = original_[p.j];

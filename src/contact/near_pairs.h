@@ -1,6 +1,7 @@
 // Pairs of near spheres, whatever cells or images of a periodic box they are in.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "contact/box.h"
@@ -11,20 +12,23 @@ namespace cairn {
 /// Keeps its scratch memory, as NeighbourSearch does.
 class NearPairs {
  public:
-  /// All pairs of spheres of different bodies whose surfaces are closer than `gap` (m, >= 0), sorted by
-  /// (i, j). Sphere centres must be up to date.
-  /// @throws UnstableError for a position that is not finite, InputError for an unusable gap and for a box so
-  /// small that a sphere could see another one in two images (an edge up to 4 largest radii + 2 gaps).
+  /// All pairs of spheres of different bodies whose centres are closer than the sum of their `reach` (m, at
+  /// least the radius), sorted by (i, j). Sphere centres must be up to date.
+  /// @throws UnstableError for a position that is not finite, InputError for an unusable reach and for a box
+  /// so small that a sphere could see another one in two images (an edge up to 4 times the longest reach).
+  void find(const Bodies& bodies, const Box& box, std::span<const double> reach, std::vector<Pair>& pairs);
+  /// All whose surfaces are closer than `gap` (m, >= 0).
   void find(const Bodies& bodies, const Box& box, double gap, std::vector<Pair>& pairs);
 
  private:
-  void find_across_cells(const Bodies& bodies, double gap, std::vector<Pair>& pairs);
-  void find_in_box(const Bodies& bodies, const Box& box, double gap, std::vector<Pair>& pairs);
+  void find_across_cells(const Bodies& bodies, std::span<const double> reach, std::vector<Pair>& pairs);
+  void find_in_box(const Bodies& bodies, const Box& box, std::span<const double> reach,
+                   std::vector<Pair>& pairs);
 
   NeighbourSearch search_;
   // Spheres in plain coordinates, and after them their images near the box.
   std::vector<Vec3> positions_;
-  std::vector<double> radii_;
+  std::vector<double> reach_;
   std::vector<std::uint32_t> body_, original_;
 };
 

@@ -74,7 +74,7 @@ void refresh_neighbours(const Physics& physics, State& state, Scratch& scratch) 
     set_lattice(state.bodies, state.box, state.contacts);
     return;
   }
-  scratch.candidates.adapt_skin(scratch.list_age);
+  scratch.candidates.adapt_skin(scratch.list_age, state.contacts);
   scratch.list_age = 0;
   scratch.candidates.rebuild(state.bodies, rigid_motion(state), physics.contacts.features, state.contacts,
                              state.box);

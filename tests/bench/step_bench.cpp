@@ -10,6 +10,7 @@
 
 #include "body/columns.h"
 #include "core/parallel.h"
+#include "core/random.h"
 #include "core/runtime.h"
 #include "core/timer.h"
 #include "pile/assemble.h"
@@ -51,6 +52,36 @@ Setup tiled(const Setup& setup, const std::array<int, 3>& tiles) {
   return out;
 }
 
+/// What a pile can be but a quiet packing.
+enum class Unrest { none, cloud, debris };
+const std::map<Unrest, std::string> kUnrest{{Unrest::cloud, "cloud"}, {Unrest::debris, "debris"}};
+
+/// A cloud: thrice as far from each other, and on their way by 0.002 radii a step. Debris: one body of a
+/// hundred flies away from the rest by 0.1 radii a step.
+void disturb(Unrest unrest, double dt, Bodies& bodies) {
+  Random random(1, 0);
+  const double radius = bodies.spheres.radius.front();
+  if (unrest == Unrest::cloud)
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      bodies.position[b] *= 3.0;
+      bodies.velocity[b] = 0.002 * radius / dt * random.direction();
+    }
+  if (unrest == Unrest::debris) {
+    Vec3 centre = Vec3::Zero();
+    for (const Vec3& x : bodies.position) centre += x / static_cast<double>(bodies.size());
+    double size = 0.0;
+    for (const Vec3& x : bodies.position) size = std::max(size, (x - centre).norm());
+    for (std::size_t b = 0; b < bodies.size(); b += 100) {
+      const double z = 1.0 - 2.0 * (static_cast<double>(b) + 0.5) / static_cast<double>(bodies.size());
+      const double angle = 0.024 * static_cast<double>(b);  // spreads them evenly
+      const Vec3 out(std::sqrt(1.0 - z * z) * std::cos(angle), std::sqrt(1.0 - z * z) * std::sin(angle), z);
+      bodies.position[b] = centre + 1.5 * size * out;
+      bodies.velocity[b] = 0.1 * radius / dt * out;
+    }
+  }
+  place_spheres(bodies);
+}
+
 /// A packing as it was left by its build, with the material's springs as they come.
 struct Packing {
   Scene scene;
@@ -59,7 +90,8 @@ struct Packing {
   Physics physics;
 
   /// `tiles` copies of the pile in each direction.
-  Packing(const std::string& pile, const std::string& material, const std::array<int, 3>& tiles) {
+  Packing(const std::string& pile, const std::string& material, const std::array<int, 3>& tiles,
+          Unrest unrest = Unrest::none) {
     const std::string text =
         "pile = \"" + pile +
         "\"\n[box]\nsize = [0, 0, 0]\n[gravity]\nmethod = \"none\"\n[[material]]\nname = "
@@ -73,9 +105,14 @@ struct Packing {
     state = first_state(setup);
     use_threads_for(state.bodies.spheres.size());
     physics = resolve_physics(scene, 0, state.bodies, *scene.contact.stiffness);
-    begin_stage(physics, setup.contacts, state, scratch);
     state.clock.dt = physics.contacts.dt;
-    for (int k = 0; k < 8; ++k) scratch.candidates.adapt_skin(2000);  // as in a pile long at rest
+    if (unrest != Unrest::none) {
+      state.box = {};
+      setup.contacts.clear();
+      disturb(unrest, state.clock.dt, state.bodies);
+    }
+    begin_stage(physics, setup.contacts, state, scratch);
+    for (int k = 0; k < 8; ++k) scratch.candidates.adapt_skin(2000, {});  // as in a pile long at rest
     prepare_scratch(physics, state, scratch);
   }
 };
@@ -97,8 +134,8 @@ double cpu_seconds() {
 }
 
 void whole_step(benchmark::State& run, const std::string& pile, const std::string& material,
-                const std::array<int, 3>& tiles) {
-  Packing packing(pile, material, tiles);
+                const std::array<int, 3>& tiles, Unrest unrest) {
+  Packing packing(pile, material, tiles, unrest);
   const double spheres = static_cast<double>(packing.state.bodies.spheres.size());
   const double before = static_cast<double>(packing.state.contacts.contacts());
   for (int k = 0; k < 20; ++k) step(packing.physics, packing.state, packing.scratch);
@@ -119,6 +156,9 @@ void whole_step(benchmark::State& run, const std::string& pile, const std::strin
     return *tenth / spheres;
   };
   run.counters["M/s"] = 1e-6 / quick(seconds.back());
+  // Steps that search are not among the quickest: their share counts where something flies.
+  run.counters["M/s_mean"] =
+      benchmark::Counter(1e-6 * spheres, benchmark::Counter::kIsIterationInvariantRate);
   run.counters["M/cpu_s"] = 1e-6 / quick(cpu);
   run.counters["contacts"] = 2.0 * static_cast<double>(packing.state.contacts.contacts()) / spheres;
   run.counters["contacts_before"] = 2.0 * before / spheres;
@@ -156,16 +196,21 @@ int main(int argc, char** argv) {
     const std::string name = pile.stem().string() + "/";
     for (const auto& [material, text] : cairn::kMaterials)
       benchmark::RegisterBenchmark((name + material).c_str(), cairn::whole_step, pile.string(), material,
-                                   cairn::kOne)
+                                   cairn::kOne, cairn::Unrest::none)
           ->Unit(benchmark::kMillisecond)
           ->UseRealTime();
     for (const cairn::Tiling& t : cairn::kTilings)
       if (t.pile == pile.stem())
         for (const auto& [material, text] : cairn::kMaterials)
           benchmark::RegisterBenchmark((t.name + "/" + material).c_str(), cairn::whole_step, pile.string(),
-                                       material, t.tiles)
+                                       material, t.tiles, cairn::Unrest::none)
               ->Unit(benchmark::kMillisecond)
               ->UseRealTime();
+    for (const auto& [unrest, text] : cairn::kUnrest)
+      benchmark::RegisterBenchmark((name + text).c_str(), cairn::whole_step, pile.string(), "cohesion",
+                                   cairn::kOne, unrest)
+          ->Unit(benchmark::kMillisecond)
+          ->UseRealTime();
     benchmark::RegisterBenchmark((name + "perturber").c_str(), cairn::perturber, pile.string())
         ->Unit(benchmark::kMillisecond)
         ->UseRealTime();

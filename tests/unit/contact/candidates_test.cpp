@@ -168,7 +168,7 @@ TEST(Candidates, SkinGrowsWhenListsAreShortLivedAndShrinksWhenTheyLast) {
     bodies.position[1].x() = 100.0;
     place_spheres(bodies);
     candidates.rebuild(bodies, {}, kNormal, contacts);
-    for (int k = 0; k < times; ++k) candidates.adapt_skin(age);
+    for (int k = 0; k < times; ++k) candidates.adapt_skin(age, {});
     candidates.rebuild(bodies, {}, kNormal, contacts);
     for (double moved = 0.0;; moved += 0.005) {
       bodies.spheres.position[1].x() = 100.0 + moved;
@@ -180,6 +180,57 @@ TEST(Candidates, SkinGrowsWhenListsAreShortLivedAndShrinksWhenTheyLast) {
   EXPECT_NEAR(half_skin(5, 20), 0.5, 0.006);  // at most the smallest radius
   EXPECT_NEAR(half_skin(5000, 1), 0.035, 0.006);
   EXPECT_NEAR(half_skin(5000, 20), 0.01, 0.006);  // at least a fiftieth of it
+}
+
+/// Whether the sweep would look at every pair that overlaps.
+void expect_all_seen(const Bodies& bodies, const ContactList& contacts, const Box& box = {}) {
+  const Spheres& s = bodies.spheres;
+  for (std::uint32_t i = 0; i < s.size(); ++i)
+    for (std::uint32_t j = i + 1; j < s.size(); ++j) {
+      Vec3 d = s.position[j] - s.position[i];
+      if (box.periodic()) d += box.edge.cwiseProduct(box.nearest_image(d));
+      if (s.body[i] == s.body[j] || d.norm() >= s.radius[i] + s.radius[j]) continue;
+      bool seen = false;
+      for (std::uint32_t slot = contacts.begin(i); slot < contacts.begin(i + 1); ++slot)
+        seen |= contacts.pair(slot).j == j &&
+                (contacts.touching(slot) || contacts.moved[i] + contacts.moved[j] >= -contacts.c_n[slot]);
+      ASSERT_TRUE(seen) << i << ' ' << j;
+    }
+}
+
+// A few that fly through the rest, slowly and fast, end the list of all but now and then.
+TEST(Candidates, OfAFewThatFlyHaveSkinsOfTheirOwn) {
+  for (const Box& box : {Box{}, Box{.edge = {40, 40, 40}}}) {
+    TurningPile pile;
+    Bodies& bodies = pile.bodies;
+    Candidates candidates;
+    ContactList contacts;
+    RigidMotion still;
+    still.center = pile.motion.center;
+    candidates.rebuild(bodies, still, kWhole, contacts, box);
+    const std::size_t slots = contacts.slots();
+    std::size_t most_slots = 0;
+    int lists = 0;
+    std::uint64_t age = 0;
+    Random random(3, 0);
+    for (int step = 0; step < 600; ++step) {
+      bodies.position[5].x() += 0.03;
+      bodies.position[6].y() -= 0.004;
+      for (Vec3& x : bodies.position) x += 1e-5 * random.direction();
+      place_spheres(bodies);
+      ++age;
+      if (candidates.expired(bodies, 0.0, contacts, box)) {
+        candidates.adapt_skin(age, contacts);
+        candidates.rebuild(bodies, still, kWhole, contacts, box);
+        most_slots = std::max(most_slots, contacts.slots());
+        ++lists;
+        age = 0;
+      }
+      expect_all_seen(bodies, contacts, box);
+    }
+    EXPECT_LE(lists, 12);  // with one skin for all, however wide, at least 600 * 0.03 / 0.5 = 36
+    EXPECT_LE(most_slots, 2 * slots);
+  }
 }
 
 TEST(Candidates, PositionThatIsNotFiniteExpires) {
