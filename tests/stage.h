@@ -23,8 +23,8 @@ struct Stage {
   /// Resolves the stage for the bodies as they are now and evaluates the first wrenches.
   void begin(const std::vector<ContactRecord>& inherited = {}) {
     state.remnant.resize(state.bodies.size(), 1);
-    physics =
-        resolve_physics(scene, 0, state.bodies, resolve_stiffness(scene, 0, state.bodies, state.walls.walls));
+    physics = resolve_physics(scene, 0, state.bodies,
+                              resolve_stiffness(scene, 0, state.bodies, state.walls.walls, state.k_n));
     begin_stage(physics, inherited, state, scratch);
     state.clock.steps = physics.steps;
     state.clock.dt = physics.contacts.dt;

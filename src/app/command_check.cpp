@@ -70,7 +70,7 @@ void check(const Options& options) {
              options.scene.string(), scene.title, bodies.size(), bodies.spheres.size(), mass,
              escape_speed(bodies));
   std::optional<Trial> trial;  // of the first stage that takes time; the bodies after it are not known
-  double seconds = 0.0;
+  double seconds = 0.0, held = state.k_n;
   for (std::size_t k = 0; k < scene.stages.size(); ++k) {
     if (scene.stages[k].operates()) {
       fmt::print("stage {} '{}'\n  operation  {}\n", k, scene.stages[k].name, describe_operation(scene, k));
@@ -80,7 +80,8 @@ void check(const Options& options) {
       continue;
     }
     const std::vector<Wall> walls = walls_of_stage(scene, k, all_walls);
-    const Physics physics = resolve_physics(scene, k, bodies, resolve_stiffness(scene, k, bodies, walls));
+    const double k_n = resolve_stiffness(scene, k, bodies, walls, held);
+    const Physics physics = resolve_physics(scene, k, bodies, k_n);
     const bool first = !trial;
     if (first) {
       state.walls.walls = walls;
@@ -96,6 +97,12 @@ void check(const Options& options) {
         physics.steps, scene.stages[k].duration);
     if (first)
       for (const std::string& w : warnings(physics, bodies, walls)) fmt::print("  warning    {}\n", w);
+    if (held > 0.0 && k_n > 2.0 * held)
+      fmt::print(
+          "  warning    contacts become {:.3g} times stiffer than they are and push the pile apart at "
+          "first\n",
+          k_n / held);
+    held = k_n;
   }
   if (!trial) return;                         // operations only
   constexpr double bytes_per_sphere = 900.0;  // spheres, bodies, and six contacts with their histories

@@ -39,13 +39,13 @@ void start(const Options& options) {
     return Run(std::move(scene), std::move(setup), std::move(results), operate);
   });
   for (const std::string& w : run.warnings()) spdlog::warn("{}", w);
-  run_to_end(run);
+  run_to_end(std::move(run));
   print_summary({output});
 }
 
 void resume(const Options& options) {
   Run run = Run::resume(options.output, operate);
-  run_to_end(run);
+  run_to_end(std::move(run));
   print_summary({options.output});
 }
 

@@ -8,8 +8,8 @@ namespace cairn {
 /// The run was stopped by the user; its checkpoint is written.
 struct Interrupted {};
 
-/// Runs to the end.
+/// Runs to the end, and closes the run.
 /// @throws Interrupted after SIGINT or SIGTERM, when the checkpoint is on disk.
-void run_to_end(Run& run);
+void run_to_end(Run run);
 
 }  // namespace cairn

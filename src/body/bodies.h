@@ -8,6 +8,10 @@
 
 namespace cairn {
 
+/// With more spheres than these, what can be built again is not kept between its uses: memory is dearer than
+/// quick allocations.
+inline constexpr std::size_t kManySpheres = 200000;
+
 /// Spheres; sphere i belongs to exactly one body. The spheres of a body are contiguous.
 struct Spheres {
   std::vector<double> radius;  ///< m

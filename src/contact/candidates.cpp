@@ -16,7 +16,6 @@ constexpr std::uint64_t kGoodLife = 240, kShortLife = 30;
 constexpr double kLeastSkin = 0.02;  // smallest radii
 constexpr double kFew = 0.03;        // so many of all spheres may have skins of their own
 constexpr float kNotZero = std::numeric_limits<float>::min();  // more than no margin at all
-constexpr std::size_t kManySpheres = 200000;  // more than these need memory rather than quick allocations
 
 /// The shortest edge of a periodic box (m); infinite in an open one.
 double narrowest(const Box& box) {

@@ -20,25 +20,29 @@ void ContactList::rebuild(std::vector<Pair>& pairs, std::size_t spheres, const F
   pairs_.swap(pairs);  // `pairs` are the former ones now
   features_ = features;
   moved.assign(spheres, std::numeric_limits<float>::infinity());
-  const std::size_t n = slots();
-  const auto former_c_n = std::exchange(c_n, std::vector<double>(n, kNoMargin));
-  const auto former_slide = std::exchange(slide, std::vector<SlideSpring>(features.tangential ? n : 0));
-  const auto former_turn =
-      std::exchange(turn, std::vector<TurnSpring>(features.rolling || features.twisting ? n : 0));
 
   row_.assign(spheres + 1, 0);
   for (const Pair& p : pairs_) ++row_[p.i + 1];
   for (std::size_t s = 0; s < spheres; ++s) row_[s + 1] += row_[s];
   set_shares(spheres);
 
+  std::vector<std::uint32_t> from, to;  // slots of the touching pairs
   std::size_t slot = 0;
-  for (std::size_t former = 0; former < former_c_n.size(); ++former) {
-    if (former_c_n[former] < 0.0) continue;
+  for (std::size_t former = 0; former < c_n.size(); ++former) {
+    if (!touching(former)) continue;
     slot = find_from(slot, pairs[former]);
-    c_n[slot] = former_c_n[former];
-    if (!slide.empty() && !former_slide.empty()) slide[slot] = former_slide[former];
-    if (!turn.empty() && !former_turn.empty()) turn[slot] = former_turn[former];
+    from.push_back(static_cast<std::uint32_t>(former));
+    to.push_back(static_cast<std::uint32_t>(slot));
   }
+  // One column after the other, so that there is only one of them twice.
+  const auto carry = [&]<class T>(std::vector<T>& column, bool needed, const T& none) {
+    const std::vector<T> former = std::exchange(column, std::vector<T>(needed ? slots() : 0, none));
+    if (!former.empty() && needed)
+      for (std::size_t k = 0; k < to.size(); ++k) column[to[k]] = former[from[k]];
+  };
+  carry(c_n, true, kNoMargin);
+  carry(slide, features.tangential, SlideSpring{});
+  carry(turn, features.rolling || features.twisting, TurnSpring{});
 }
 
 std::size_t ContactList::find_from(std::size_t slot, const Pair& pair) const {
@@ -150,7 +154,7 @@ std::vector<ContactRecord> ContactList::records() const {
   std::vector<ContactRecord> out;
   out.reserve(contacts());
   for (std::size_t slot = 0; slot < slots(); ++slot)
-    if (touching(slot)) out.push_back({pairs_[slot].i, pairs_[slot].j, memory(slot)});
+    if (touching(slot)) out.push_back(record(slot));
   return out;
 }
 

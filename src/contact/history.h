@@ -72,6 +72,7 @@ class ContactList {
   std::size_t contacts() const;
 
   ContactMemory<double> memory(std::size_t slot) const;
+  ContactRecord record(std::size_t slot) const { return {pairs_[slot].i, pairs_[slot].j, memory(slot)}; }
   void set_memory(std::size_t slot, const ContactMemory<double>& memory);
   /// Forgets a contact that has ended.
   void release(std::size_t slot);

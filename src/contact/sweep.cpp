@@ -176,6 +176,7 @@ class Block {
         shares_(contacts.shares.data() + contacts.share_of(begin) - begin),
         kicks_(contacts.kicks[begin / contacts.block()]) {
     kicks_.clear();
+    if (kicks_.capacity() > contacts.block() / 8) kicks_ = {};  // rare, as in the first step of a pile
     const std::size_t block = begin / contacts.block();
     std::fill(contacts.shares.begin() + contacts.first_share[block],
               contacts.shares.begin() + contacts.first_share[block + 1], WrenchShare(0.0));

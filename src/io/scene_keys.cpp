@@ -291,7 +291,8 @@ const Keys<StageSpec> kStageKeys = {
     text("material", &StageSpec::material, kReference,
          "name of a [[material]] that replaces every body's during the stage; absent: none does"),
     number("impact_speed", &StageSpec::impact_speed, "m/s", within(0, 3e8),
-           "for the automatic stiffness; the pile's escape speed when absent"),
+           "for the automatic stiffness; when absent the pile's escape speed, or a settled pile's contacts "
+           "stay as they are"),
     number("stiffness", &StageSpec::stiffness, "N/m", kStiffness, "replaces contact.stiffness"),
     number("time_step", &StageSpec::time_step, "s", kDuration, "replaces contact.time_step"),
     table("spin", &StageSpec::spin, kSpinKeys,

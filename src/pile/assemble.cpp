@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "body/columns.h"
 #include "core/error.h"
 #include "pile/cloud.h"
 #include "pile/lattice.h"
@@ -122,6 +123,9 @@ Setup assemble(const Scene& scene) {
     setup.frame.velocity += setup.shift.velocity;
   }
   place_spheres(setup.bodies);
+  const auto fit = [](auto& column) { column.shrink_to_fit(); };
+  for_each_body_column(fit, setup.bodies);
+  for_each_sphere_column(fit, setup.bodies.spheres);
   setup.shapes = shapes.names();
   return setup;
 }

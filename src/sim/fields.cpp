@@ -8,6 +8,14 @@
 
 namespace cairn {
 
+void MemoryColumns::reserve(std::size_t count) {
+  c_n.reserve(count);
+  c_s.reserve(count);
+  slide.reserve(count);
+  roll.reserve(count);
+  twist.reserve(count);
+}
+
 void MemoryColumns::push_back(const ContactMemory<double>& m) {
   c_n.push_back(m.c_n);
   c_s.push_back(m.c_s);
@@ -30,16 +38,32 @@ FieldTable MemoryColumns::table(const std::string& prefix) {
 }
 
 void ContactColumns::assign(const std::vector<ContactRecord>& records) {
+  reserve(records.size());
+  for (const ContactRecord& r : records) push_back(r);
+}
+
+void ContactColumns::assign(const ContactList& contacts) {
+  reserve(contacts.contacts());
+  for (std::size_t slot = 0; slot < contacts.slots(); ++slot)
+    if (contacts.touching(slot)) push_back(contacts.record(slot));
+}
+
+void ContactColumns::reserve(std::size_t count) {
   *this = ContactColumns{};
-  for (const ContactRecord& r : records) {
-    i.push_back(r.i);
-    j.push_back(r.j);
-    memory.push_back(r.memory);
-  }
+  i.reserve(count);
+  j.reserve(count);
+  memory.reserve(count);
+}
+
+void ContactColumns::push_back(const ContactRecord& r) {
+  i.push_back(r.i);
+  j.push_back(r.j);
+  memory.push_back(r.memory);
 }
 
 std::vector<ContactRecord> ContactColumns::records() const {
   std::vector<ContactRecord> out;
+  out.reserve(i.size());
   for (std::size_t k = 0; k < i.size(); ++k) out.push_back({i[k], j[k], memory[k]});
   return out;
 }

@@ -13,6 +13,7 @@ struct MemoryColumns {
   std::vector<double> c_n, c_s, twist;
   std::vector<Vec3> slide, roll;
 
+  void reserve(std::size_t count);
   void push_back(const ContactMemory<double>& memory);
   ContactMemory<double> operator[](std::size_t k) const;
   FieldTable table(const std::string& prefix);
@@ -24,9 +25,14 @@ struct ContactColumns {
   MemoryColumns memory;
 
   void assign(const std::vector<ContactRecord>& records);
+  void assign(const ContactList& contacts);
   std::vector<ContactRecord> records() const;
   /// Fields under `prefix`.
   FieldTable table(const std::string& prefix);
+
+ private:
+  void reserve(std::size_t count);
+  void push_back(const ContactRecord& record);
 };
 
 /// Contacts with walls as columns.

@@ -93,10 +93,13 @@ void check_cohesion(const Physics& p, const std::string& stage, const Bodies& bo
 }  // namespace
 
 double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies,
-                         const std::vector<Wall>& walls) {
+                         const std::vector<Wall>& walls, double held) {
   const StageSpec& stage = scene.stages[index];
   if (stage.stiffness) return *stage.stiffness;
   if (scene.contact.stiffness) return *scene.contact.stiffness;
+  const bool quiet = walls.empty() && field_of(scene, index) == Vec3::Zero() &&
+                     closing_speed(bodies) <= 2.0 * escape_speed(bodies);  // as in a pile that turns
+  if (held > 0.0 && quiet && !stage.impact_speed) return held;
   ContactDemand demand{
       .max_overlap = scene.contact.max_overlap,
       .impact_speed = stage.impact_speed.value_or(default_impact_speed(scene, index, bodies, walls)),

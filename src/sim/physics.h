@@ -43,10 +43,11 @@ struct Physics {
 };
 
 /// Normal stiffness (N/m) of stage `index` with its walls: given by the scene, or chosen for the bodies as
-/// they are now.
+/// they are now. Where nothing but self-gravity is to be borne, it stays what contacts have `held` so far (0:
+/// none): stiffer ones would push a settled pile apart.
 /// @throws InputError when nothing loads the contacts and none is given.
 double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies,
-                         const std::vector<Wall>& walls);
+                         const std::vector<Wall>& walls, double held);
 
 /// Resolves stage `index` of the scene for these bodies at stiffness k_n; does not depend on their motion.
 /// @throws InputError when the time step is longer than the longest safe one, or cohesion too strong for k_n.

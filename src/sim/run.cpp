@@ -68,10 +68,12 @@ Run::Run(Scene scene, Setup setup, ResultFile results, Operation operation)
   load_tracks(scene_);
   write_tracks(results_, scene_);
   walls_ = make_walls(scene_, std::move(meshes));
-  for (std::size_t k = 0; k < stages(); ++k)  // a stage that cannot run shall say so now, not after hours
-    if (!scene_.stages[k].operates())
-      resolve_physics(scene_, k, state_.bodies,
-                      resolve_stiffness(scene_, k, state_.bodies, walls_of_stage(scene_, k, walls_)));
+  double held = state_.k_n;
+  for (std::size_t k = 0; k < stages(); ++k) {  // a stage that cannot run shall say so now, not after hours
+    if (scene_.stages[k].operates()) continue;
+    held = resolve_stiffness(scene_, k, state_.bodies, walls_of_stage(scene_, k, walls_), held);
+    resolve_physics(scene_, k, state_.bodies, held);
+  }
   const Budget total = budget(state_.bodies);
   state_.ledger.start_momentum = total.momentum;
   state_.ledger.start_angular_momentum = total.angular_momentum_about_center;
@@ -95,7 +97,7 @@ void Run::write_bodies(const std::string& suffix) {
 std::vector<std::string> Run::warnings() const {
   if (scene_.stages[0].operates()) return {};
   const std::vector<Wall> walls = walls_of_stage(scene_, 0, walls_);
-  const double k_n = resolve_stiffness(scene_, 0, state_.bodies, walls);
+  const double k_n = resolve_stiffness(scene_, 0, state_.bodies, walls, state_.k_n);
   return cairn::warnings(resolve_physics(scene_, 0, state_.bodies, k_n), state_.bodies, walls);
 }
 
@@ -143,7 +145,7 @@ Run Run::resume(const std::filesystem::path& path, Operation operation) {
     set_walls(run.scene_, state.clock.stage, run.walls_, state.stage_starts, state.walls);
     run.physics_ = resolve_physics(run.scene_, state.clock.stage, state.bodies, state.k_n);
     prepare_scratch(run.physics_, state, run.scratch_);
-    state.contacts.restore(run.inherited_);
+    state.contacts.restore(std::exchange(run.inherited_, {}));
   }
   return run;
 }
@@ -203,15 +205,18 @@ bool Run::quiet() const {
 void Run::start_stage() {
   Clock& clock = state_.clock;
   set_walls(scene_, clock.stage, walls_, state_.stage_starts, state_.walls);
-  const double k_n = resolve_stiffness(scene_, clock.stage, state_.bodies, state_.walls.walls);
+  const double held = state_.k_n;
+  const double k_n = resolve_stiffness(scene_, clock.stage, state_.bodies, state_.walls.walls, held);
   physics_ = resolve_physics(scene_, clock.stage, state_.bodies, k_n);
-  begin_stage(physics_, inherited_, state_, scratch_);
+  begin_stage(physics_, std::exchange(inherited_, {}), state_, scratch_);
   clock.steps = physics_.steps;
   clock.dt = physics_.contacts.dt;
   Control& control = state_.control;
   control.active = physics_.spin.has_value();
   if (control.active) control.failed = false;
   look();
+  const double freed = k_n > held && held > 0.0 ? (1.0 - held / k_n) * last_.elastic : 0.0;
+  burst_ = last_.gravitational < 0.0 ? freed / -last_.gravitational : 0.0;
   if (control.active) control.start_ratio = last_.c_over_a;
   if (clock.total_steps == 0 && epoch_ == 0) add_snapshot();
 }
@@ -263,7 +268,10 @@ void Run::commit(bool last) {
   ScopedTimer timer(scratch_.times[static_cast<std::size_t>(Phase::output)]);
   ContactColumns contacts;
   WallColumns walls;
-  contacts.assign(state_.clock.steps > 0 ? state_.contacts.records() : inherited_);
+  if (state_.clock.steps > 0)
+    contacts.assign(state_.contacts);
+  else
+    contacts.assign(inherited_);
   walls.assign(state_.clock.steps > 0 ? state_.walls.numbered_contacts() : state_.walls.contacts);
   const FieldTable table = checkpoint_fields(state_, contacts, walls);
   if (last)

@@ -44,6 +44,9 @@ class Run {
   const std::filesystem::path& path() const { return results_.path(); }
   std::size_t sphere_count() const { return state_.bodies.spheres.size(); }
   std::size_t stages() const { return scene_.stages.size(); }
+  /// What the overlaps that a stage began with hold beyond what they held before, because its contacts are
+  /// stiffer, over the pile's gravitational energy; 0 without self-gravity.
+  double burst() const { return burst_; }
 
  private:
   Run(Scene scene, ResultFile results, Operation operation)
@@ -71,6 +74,7 @@ class Run {
   Operation operation_;
   std::uint64_t epoch_ = 0;  ///< operations done
   double link_gap_ = 0.0;    ///< m
+  double burst_ = 0.0;
   State state_;
   Physics physics_;
   Scratch scratch_;

@@ -166,6 +166,15 @@ double shortest_change(const Physics& physics, const Bodies& bodies, const Rigid
   return std::min(physics.fall_time, 1.0 / std::sqrt(rate2.value));
 }
 
+/// Gives back what the next evaluation will need again.
+void free_gravity(const Physics& physics, Scratch& scratch) {
+  scratch.tree = gravity::Fmm(physics.tree);
+  scratch.acceleration = {};
+  scratch.wrenches = {};
+  scratch.body_places = {};
+  scratch.sphere_places = {};
+}
+
 /// Evaluates self-gravity anew; with an interval of its own choice only when something has moved.
 void renew_gravity(const Physics& physics, State& state, Scratch& scratch) {
   const Bodies& bodies = state.bodies;
@@ -193,8 +202,9 @@ void renew_gravity(const Physics& physics, State& state, Scratch& scratch) {
     };
     gravity::renew(held, scratch.wrenches, bodies.mass, time, pile.spin, dt, physics.gravity_steps != 1,
                    std::ref(steps));
-    if (automatic) held.places = scratch.sphere_places;
+    if (automatic) std::swap(held.places, scratch.sphere_places);
   }
+  if (bodies.spheres.size() > kManySpheres) free_gravity(physics, scratch);
   held.due = state.clock.step + held.steps;
 }
 
@@ -306,7 +316,7 @@ void prepare_scratch(const Physics& physics, State& state, Scratch& scratch) {
   }
 }
 
-void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inherited, State& state,
+void begin_stage(const Physics& physics, std::vector<ContactRecord> contacts, State& state,
                  Scratch& scratch) {
   Bodies& bodies = state.bodies;
   place_spheres(bodies);
@@ -317,14 +327,13 @@ void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inher
   }
   // Springs keep their forces: their lengths scale with the inverse of the stiffness.
   const double ratio = state.k_n > 0.0 ? state.k_n / physics.k_n : 1.0;
-  const auto rescale = [ratio](auto& contacts) {
-    for (auto& c : contacts) {
+  const auto rescale = [ratio](auto& all) {
+    for (auto& c : all) {
       c.memory.slide = ratio * c.memory.slide;
       c.memory.roll = ratio * c.memory.roll;
       c.memory.twist *= ratio;
     }
   };
-  std::vector<ContactRecord> contacts = inherited;
   rescale(contacts);
   rescale(state.walls.contacts);
   state.contacts = ContactList{};

@@ -40,8 +40,7 @@ struct Scratch {
 /// wrenches are evaluated at the present poses and velocities.
 /// @throws InputError when bodies overlap beyond the bound before the first step, when the box is too small
 /// for them, and when its strain leads away from the packing fraction asked for.
-void begin_stage(const Physics& physics, const std::vector<ContactRecord>& inherited, State& state,
-                 Scratch& scratch);
+void begin_stage(const Physics& physics, std::vector<ContactRecord> contacts, State& state, Scratch& scratch);
 
 /// Restores what a checkpoint does not hold, without changing the state.
 void prepare_scratch(const Physics& physics, State& state, Scratch& scratch);

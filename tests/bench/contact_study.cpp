@@ -51,13 +51,13 @@ duration = 10
 }
 
 /// Critical periods of the piles for each setting, as rows of a table whose first columns `start` writes;
-/// differences are to the setting `reference`.
-template <class Start>
+/// differences are to the setting `reference`. `pile_of` makes the pile of a seed for a setting.
+template <class PileOf, class Start>
 void spin_up(Study& study, const char* kind, const std::vector<Setting>& settings, std::size_t reference,
-             int piles, const Start& start) {
+             int piles, const PileOf& pile_of, const Start& start) {
   const auto run = [&](std::size_t k, int seed) {
-    return study.run(fmt::format("{}-{}-{}", kind, seed, k),
-                     spin_scene(fmt::format("collapse-{}.h5", seed), settings[k].tables));
+    const std::string pile = pile_of(k, seed);
+    return study.run(fmt::format("{}-{}-{}", kind, seed, k), spin_scene(pile + ".h5", settings[k].tables));
   };
   for (std::size_t k = 0; k < settings.size(); ++k) {
     start(k);
@@ -131,16 +131,27 @@ void report(const std::filesystem::path& folder, int piles) {
   for (const double n : steps)
     settings.push_back({fmt::format("{:g}", n), fmt::format("[contact]\nsteps_per_contact = {}", n)});
   head("steps per contact | restitution astray", piles);
-  spin_up(study, "step", settings, settings.size() - 1, piles, [&](std::size_t k) {
-    fmt::print("| {} | {:.2g} % |", settings[k].name, 100.0 * restitution_error(steps[k]));
-  });
-  fmt::print("\nThen the stiffness, by the overlap that it aims at (`contact.max_overlap`):\n");
+  spin_up(
+      study, "step", settings, settings.size() - 1, piles,
+      [](std::size_t, int seed) { return fmt::format("collapse-{}", seed); },
+      [&](std::size_t k) {
+        fmt::print("| {} | {:.2g} % |", settings[k].name, 100.0 * restitution_error(steps[k]));
+      });
+  fmt::print(
+      "\nThen the stiffness, by the overlap that it aims at (`contact.max_overlap`), of piles that fell "
+      "together with it:\n");
   settings.clear();
   for (const double x : {0.03, 0.02, 0.01, 0.005, 0.002, 0.001})
     settings.push_back({fmt::format("{:g} %", 100.0 * x), fmt::format("[contact]\nmax_overlap = {}", x)});
   head("overlap", piles);
-  spin_up(study, "overlap", settings, settings.size() - 1, piles,
-          [&](std::size_t k) { fmt::print("| {} |", settings[k].name); });
+  spin_up(
+      study, "overlap", settings, settings.size() - 1, piles,
+      [&](std::size_t k, int seed) {
+        const std::string pile = fmt::format("collapse-{}-overlap-{}", seed, k);
+        study.run(pile, collapse_scene(seed, settings[k].tables));
+        return pile;
+      },
+      [&](std::size_t k) { fmt::print("| {} |", settings[k].name); });
   aggregates(study);
 }
 

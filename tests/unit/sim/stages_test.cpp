@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "contact/stiffness.h"
 #include "folder.h"
 #include "shape/library.h"
 #include "sim/make_walls.h"
@@ -163,6 +164,75 @@ series_interval = 0.1
   StageColumns columns;
   file.read_static("stages", columns.table());
   EXPECT_EQ(columns.name, (std::vector<std::string>{"meet", "part"}));
+}
+
+TEST(Stages, ContactsThatBearNothingNewStayAsStiffAsTheyAre) {
+  const std::string text = R"(
+[[body]]
+shape = "sphere"
+density = 2000
+[[stage]]
+name = "settle"
+duration = 10
+impact_speed = 1e-6
+[[stage]]
+name = "wait"
+duration = 10
+[[stage]]
+name = "blow"
+duration = 10
+impact_speed = 1e-2
+[[stage]]
+name = "fall"
+duration = 10
+field = [0, 0, -1]
+)";
+  const Scene scene = parse_scene(text, "run.toml", ".");
+  Bodies bodies = balls({{0.0, 0.0, 0.0}, {0.0, 0.0, 1.999}}).bodies;
+  const auto stiffness = [&](std::size_t stage, double held) {
+    return resolve_stiffness(scene, stage, bodies, {}, held);
+  };
+  const double settled = stiffness(0, 0.0);
+  EXPECT_EQ(stiffness(1, settled), settled);
+  EXPECT_GT(stiffness(1, 0.0), 10.0 * settled);  // no contacts so far: they may meet at the escape speed
+  EXPECT_GT(stiffness(2, settled), 10.0 * settled);
+  EXPECT_GT(stiffness(3, settled), 10.0 * settled);
+  bodies.velocity[0].x() = 3.0 * escape_speed(bodies);
+  EXPECT_GT(stiffness(1, settled), 10.0 * settled);
+}
+
+// Two balls that rest on each other under their own gravity: overlap F / k.
+TEST(Stages, TellWhatStifferContactsWillPushApart) {
+  const double mass = 2000.0 * 4.0 / 3.0 * kPi, soft = 0.1, stiff = 20.0;
+  double distance = 2.0;
+  for (int k = 0; k < 20; ++k)
+    distance = 2.0 - kGravitationalConstant * mass * mass / (distance * distance * soft);
+  const double energy = kGravitationalConstant * mass * mass / distance, overlap = 2.0 - distance;
+  const auto burst = [&](double stiffness) {
+    const Folder folder;
+    cairn::Run pile = new_run(fmt::format(R"(
+[[body]]
+shape = "sphere"
+density = 2000
+[gravity]
+method = "direct"
+[[stage]]
+name = "rest"
+duration = 100
+stiffness = {}
+[[stage]]
+name = "stiffen"
+duration = 1
+stiffness = {}
+)",
+                                          soft, stiffness),
+                              balls({{0.0, 0.0, 0.0}, {0.0, 0.0, distance}}), folder / "run.h5");
+    pile.advance([](const auto&) { return true; });
+    return pile.burst();
+  };
+  EXPECT_NEAR(burst(stiff), 0.5 * (stiff - soft) * overlap * overlap / energy, 1e-3 * burst(stiff));
+  EXPECT_EQ(burst(soft), 0.0);
+  EXPECT_EQ(burst(0.5 * soft), 0.0);
 }
 
 TEST(Stages, RigidRotationIsNoAgitation) {
