@@ -170,7 +170,7 @@ class Checker {
   }
 
   void check_crossings() {
-    const auto crossing = find_crossing(solid_.surface);
+    const auto crossing = find_crossing(solid_.surface, solid_.neighbours);
     if (!crossing) return;
     throw InputError("crosses itself: {} and facet {}", facet(crossing->first), number(crossing->second));
   }

@@ -269,6 +269,40 @@ TEST(SolidMesh, CrossingsAreFound) {
   EXPECT_EQ(complaint(ball), "none");
 }
 
+// Two cones of n facets each, base to base.
+TriangleMesh lens(std::uint32_t n) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 1}, {0, 0, -1}};
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const double a = 2.0 * kPi * k / n;
+    mesh.vertices.push_back({10 * std::cos(a), 10 * std::sin(a), 0});
+    const std::uint32_t next = 2 + (k + 1) % n;
+    mesh.triangles.push_back({0, k + 2, next});
+    mesh.triangles.push_back({1, next, k + 2});
+  }
+  return mesh;
+}
+
+TEST(SolidMesh, CrossingsAreFoundWhereManyFacetsMeet) {
+  EXPECT_EQ(complaint(lens(1000)), "none");
+  TriangleMesh one_in = lens(1000);  // a vertex of the rim moved through the fans
+  one_in.vertices[102] = Vec3(-5, 1, 3);
+  expect_complaint(one_in, "crosses itself: facet ");
+  // The tip of one cone through the other.
+  TriangleMesh tip = lens(1000);
+  tip.vertices[0] = Vec3(5, 0, -0.7);
+  expect_complaint(tip, "crosses itself: facet ");
+  // Something small through a facet of each fan.
+  for (const double z : {0.5, -0.5}) {
+    const TriangleMesh needle = moved(models::tetrahedron(), Quat::Identity(), {5, 0.01, z}, 0.5);
+    expect_complaint(joined(lens(1000), needle), "crosses itself: facet ");
+  }
+}
+
+TEST(SolidMesh, ManyFacetsAroundAVertexAreNoQuestionOfTime) {
+  EXPECT_EQ(make_solid(lens(200'000)).surface.triangles.size(), 400'000u);  // each with each: hours
+}
+
 TEST(SolidMesh, FilesTellWhatWasRepaired) {
   const Folder folder;
   const std::string path = (folder / "rock.obj").string();
