@@ -1,6 +1,7 @@
 // Which meshes bound a solid, and the mass properties of those that do.
 #include "shape/solid_mesh.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -194,6 +195,16 @@ TEST(SolidMesh, CavitiesCountNegative) {
     EXPECT_EQ(solid.cavities, 1u);
     EXPECT_NEAR(mass_of(solid.surface).volume, 0.875, 1e-14);
   }
+  const SolidMesh outwards = make_solid(joined(block, hole));
+  ASSERT_EQ(outwards.repairs.size(), 1u);
+  EXPECT_TRUE(
+      outwards.repairs[0].starts_with("took shells inside another as cavities: turned 12 facets that faced "
+                                      "out of them, the first is facet 13"))
+      << outwards.repairs[0];
+  const SolidMesh inwards = make_solid(joined(inverted(block), inverted(hole)));
+  ASSERT_EQ(inwards.repairs.size(), 1u);
+  EXPECT_TRUE(inwards.repairs[0].starts_with("turned 12 facets that faced inwards, the first is facet 1 "))
+      << inwards.repairs[0];
   const TriangleMesh core = moved(models::cube(), Quat::Identity(), Vec3::Zero(), 0.2);
   expect_complaint(joined(joined(block, hole), core), "separate parts");
 }
@@ -332,7 +343,19 @@ TEST(SolidMesh, FilesTellWhatWasRepaired) {
     load_solid(path, 1.0);
     ADD_FAILURE();
   } catch (const InputError& error) {
-    EXPECT_TRUE(std::string(error.what()).starts_with(path + ": not closed: an edge of facet 4 at"))
+    EXPECT_TRUE(
+        std::string(error.what()).starts_with(path + ": not closed: an edge of facet 4 of the file at"))
+        << error.what();
+  }
+  // Those of polygons are numbered once they are cut.
+  std::string text;
+  for (const Vec3& x : open.vertices) text += fmt::format("v {} {} {}\n", x.x(), x.y(), x.z());
+  try {
+    load_solid(folder.write("quad.obj", text + "f 1 2 4 3\n"), 1.0);
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("an edge of facet 1 of the file cut into triangles at"),
+              std::string::npos)
         << error.what();
   }
 }
