@@ -1,11 +1,16 @@
 #include <fmt/core.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
-#include <map>
+#include <limits>
 
+#include "app/arguments.h"
 #include "app/commands.h"
 #include "app/render/draw.h"
 #include "core/error.h"
+#include "core/timer.h"
 #include "shape/fit.h"
 #include "shape/library.h"
 #include "shape/principal_frame.h"
@@ -33,7 +38,50 @@ struct FitCommandOptions {
   FitOptions fit;
 };
 
+void check_picture(const std::string& name) {
+  if (!name.empty() && std::filesystem::path(name).extension() != ".png")
+    throw InputError("{}: expected a name that ends in .png", name);
+}
+
+/// One line about a fit, rewritten on a terminal and printed every 30 s elsewhere.
+class FitLine {
+ public:
+  FitLine() = default;
+  FitLine(const FitLine&) = delete;
+  FitLine& operator=(const FitLine&) = delete;
+  ~FitLine() {
+    if (shown_ && terminal_) fmt::print(stderr, "\n");
+  }
+
+  void show(const FitProgress& progress) {
+    const double now = wall_seconds();
+    if (!terminal_ && now - last_line_ < 30.0) return;
+    last_line_ = now;
+    shown_ = true;
+    const int filled = static_cast<int>(20.0 * progress.done);
+    const std::string before =
+        progress.last > 0 ? fmt::format("  {} came to RMS {:.3g}", progress.last, progress.rms) : "";
+    fmt::print(stderr, "{}{:>4} spheres [{}{}] {:3.0f} %{}{}", terminal_ ? "\r" : "", progress.spheres,
+               std::string(filled, '#'), std::string(20 - filled, '.'), 100.0 * progress.done, before,
+               terminal_ ? "\x1b[K" : "\n");
+    std::fflush(stderr);
+  }
+
+ private:
+  const bool terminal_ = isatty(STDERR_FILENO);
+  bool shown_ = false;
+  double last_line_ = wall_seconds();
+};
+
+/// A file name as the name of a shape, which is one line.
+std::string without_controls(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '_');
+  return text;
+}
+
 void list_shapes(const ListOptions& options) {
+  check_picture(options.sheet);
   std::vector<Shape> shapes;
   fmt::print("{:<14}{:>8}{:>10}{:>10}{:>10}{:>10}{:>12}  {}\n", "shape", "spheres", "I1/m", "I2/m", "I3/m",
              "volume", "sum/union", "description");
@@ -81,6 +129,7 @@ void check_mesh(const CheckOptions& options) {
   fmt::print("{}: the closed surface of one solid, {} facets, {} vertices\n", options.mesh.string(),
              surface.triangles.size(), surface.vertices.size());
   for (const std::string& repair : solid.repairs) fmt::print("  repaired      {}\n", repair);
+  if (!solid.warning.empty()) fmt::print("  warning       {}\n", solid.warning);
   if (solid.cavities > 0) fmt::print("  cavities      {}\n", solid.cavities);
   fmt::print("  volume        {:.9g} m^3 (ball of radius {:.9g} m)\n", mass.volume,
              std::cbrt(mass.volume / (4.0 / 3.0 * kPi)));
@@ -105,38 +154,55 @@ void fit_shape(const FitCommandOptions& options) {
     throw InputError("{}: exists already; choose another file with -o, or --force", output.string());
   const SolidMesh solid = load_solid(options.mesh, options.unit);
   for (const std::string& repair : solid.repairs) fmt::print("repaired: {}\n", repair);
-  Shape shape = naming(options.mesh.string(), [&] { return fit_spheres(solid, options.fit); });
-  shape.name = output.stem().string();
+  if (!solid.warning.empty()) spdlog::warn("{}: {}", options.mesh.string(), solid.warning);
+  Shape shape = naming(options.mesh.string(), [&] {
+    FitLine line;
+    FitOptions fit = options.fit;
+    fit.progress = [&](const FitProgress& progress) { line.show(progress); };
+    return fit_spheres(solid, fit);
+  });
+  shape.name = without_controls(output.stem().string());
   shape.source->file =
       fs::absolute(options.mesh).lexically_relative(fs::absolute(output).parent_path()).string();
   shape.source->unit = options.unit;
   shape.description =
       fmt::format("{} spheres for {}, RMS distance of the surfaces {:.3g} reference radii",
                   shape.radii.size(), options.mesh.filename().string(), shape.source->error.rms);
-  save_shape(shape, output);
+  naming(options.mesh.string(), [&] { save_shape(shape, output); });
   fmt::print("{}: {} spheres\n", output.string(), shape.radii.size());
   print_source(*shape.source);
+  constexpr double kAstray = 0.5;
+  if (const double off = shape.source->error.volume; std::abs(off) > kAstray)
+    spdlog::warn(
+        "the spheres cover {:.3g} times the volume of the mesh, which they hardly stand for: it may be too "
+        "thin for so few",
+        1.0 + off);
 }
 
-/// Whether the mesh is still where the shape file says.
-bool draw_beside_mesh(const Shape& shape, const ShowOptions& options) {
+/// The mesh that a shape file names; empty: none, or not there, which is said.
+std::filesystem::path find_mesh(const Shape& shape, const ShowOptions& options) {
+  if (!shape.source) return {};
+  const std::filesystem::path file = std::filesystem::path(options.name).parent_path() / shape.source->file;
+  std::error_code none;
+  if (std::filesystem::exists(file, none)) return file;
+  spdlog::warn("{}: no such mesh file{}", file.string(),
+               options.picture.empty() ? "" : ", only the spheres are drawn");
+  return {};
+}
+
+void draw_beside_mesh(const Shape& shape, const std::filesystem::path& file, const std::string& picture) {
   const SourceMesh& source = *shape.source;
-  const std::filesystem::path file = std::filesystem::path(options.name).parent_path() / source.file;
-  if (!std::filesystem::exists(file)) {
-    fmt::print("{} is not there any more: only the spheres are drawn\n", file.string());
-    return false;
-  }
   TriangleMesh mesh = load_mesh(file, source.unit);
   for (Vec3& x : mesh.vertices) x = (x - source.origin) / source.size;
-  render::render_beside_mesh(shape, mesh, options.picture);
-  return true;
+  render::render_beside_mesh(shape, mesh, picture);
 }
 
 void show_shape(const ShowOptions& options) {
+  check_picture(options.picture);
   const Shape shape = load_shape(options.name);
   fmt::print("{}: {}\n", shape.name, shape.description);
   fmt::print("{:<10}{:>12}{:>12}{:>12}{:>12}{:>12}{:>14}\n", "mass model", "volume", "I1/m", "I2/m", "I3/m",
-             "bound", "moment error");
+             "bound", "gravity off");
   for (const auto& [name, model] :
        {std::pair{"mesh", MassModel::mesh}, std::pair{"union", MassModel::union_volume},
         std::pair{"spheres", MassModel::spheres}}) {
@@ -146,17 +212,20 @@ void show_shape(const ShowOptions& options) {
                rigid.inertia[0], rigid.inertia[1], rigid.inertia[2], rigid.bounding_radius,
                rigid.moment_error);
   }
+  fmt::print("gravity off: moments of the spheres with their gravity masses against these, relative\n");
   if (shape.source) print_source(*shape.source);
+  const std::filesystem::path mesh = find_mesh(shape, options);
   const RigidShape rigid = make_rigid(shape, MassModel::mesh);
   fmt::print("{:<8}{:>12}{:>12}{:>12}{:>12}{:>16}\n", "sphere", "x", "y", "z", "radius", "gravity mass");
   for (std::size_t s = 0; s < shape.radii.size(); ++s)
     fmt::print("{:<8}{:>12.6f}{:>12.6f}{:>12.6f}{:>12.6f}{:>16.6f}\n", s, shape.centers[s].x(),
                shape.centers[s].y(), shape.centers[s].z(), shape.radii[s], rigid.mass_fractions[s]);
-  if (!options.picture.empty()) {
-    const bool beside = shape.source && draw_beside_mesh(shape, options);
-    if (!beside) render::render_shape_sheet({shape}, options.picture);
-    fmt::print("wrote {}\n", options.picture);
-  }
+  if (options.picture.empty()) return;
+  if (mesh.empty())
+    render::render_shape_sheet({shape}, options.picture);
+  else
+    draw_beside_mesh(shape, mesh, options.picture);
+  fmt::print("wrote {}\n", options.picture);
 }
 
 }  // namespace
@@ -164,7 +233,7 @@ void show_shape(const ShowOptions& options) {
 void add_shape_commands(CLI::App& app) {
   CLI::App* shape = app.add_subcommand("shape", "glued-sphere shapes: the library, and shapes from meshes");
   shape->require_subcommand(1);
-  const CLI::Range unit(1e-12, 1e12);
+  const CLI::Validator unit = number_from(1e-12, 1e12);
   auto list = std::make_shared<ListOptions>();
   CLI::App* list_command =
       shape->add_subcommand("list", "list the library; lengths in sphere radii, unit mass");
@@ -191,28 +260,27 @@ void add_shape_commands(CLI::App& app) {
   fit_command->add_option("mesh", fit->mesh, "OBJ, STL, PLY or OFF file")->required();
   fit_command->add_option("--unit", fit->unit, "metres of one unit of the file")->check(unit);
   CLI::Option_group* goal = fit_command->add_option_group("goal", "one of");
-  goal->add_option("--spheres", fit->fit.spheres, "how many")
-      ->check(CLI::Range(std::size_t{1}, kMostFitSpheres));
+  goal->add_option("--spheres", fit->fit.spheres, "how many")->check(whole_from(1, kMostFitSpheres));
   goal->add_option(
           "--error", fit->fit.error,
           "RMS distance of the surfaces, in radii of the ball of equal volume; the fewest spheres found")
-      ->check(CLI::Range(1e-4, 1.0));
+      ->check(number_from(1e-4, 1.0));
   goal->require_option(1);
   fit_command->add_option("-o,--output", fit->output, "shape file; MESH-SPHERES.toml if absent");
   fit_command->add_flag("--force", fit->force, "replace the shape file if it exists");
-  fit_command->add_option("--seed", fit->fit.seed, "of what is left to chance");
+  fit_command->add_option("--seed", fit->fit.seed, "of what is left to chance")
+      ->check(whole_from(0, std::numeric_limits<std::int64_t>::max()));  // as the shape file keeps it
   fit_command
       ->add_option("--strategy", fit->fit.strategy,
                    "best: least squares; greedy: inscribed balls, one by one")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, FitStrategy>{{"best", FitStrategy::best}, {"greedy", FitStrategy::greedy}}));
+      ->transform(one_of<FitStrategy>({{"best", FitStrategy::best}, {"greedy", FitStrategy::greedy}}));
   fit_command
       ->add_option(
           "--mass", fit->fit.mass,
           "mass_model of the scenes: mesh or union; spheres fits the moments of their sum too, which costs "
           "accuracy of the surface")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, MassModel>{
-          {"mesh", MassModel::mesh}, {"union", MassModel::union_volume}, {"spheres", MassModel::spheres}}));
+      ->transform(one_of<MassModel>(
+          {{"mesh", MassModel::mesh}, {"union", MassModel::union_volume}, {"spheres", MassModel::spheres}}));
   fit_command->callback([fit] { fit_shape(*fit); });
 }
 

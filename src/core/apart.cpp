@@ -12,8 +12,6 @@
 #include <csignal>
 #include <cstring>
 
-#include "core/error.h"
-
 namespace cairn {
 namespace {
 
@@ -25,7 +23,7 @@ constexpr bool kSanitized = __has_feature(address_sanitizer);  // which reserves
 #else
 constexpr bool kSanitized = false;
 #endif
-constexpr char kResult = 'R', kComplaint = 'C';  // first byte of what the child sends
+constexpr char kResult = 'R', kComplaint = 'C', kMemory = 'M';  // first byte of what the child sends
 
 void write_all(int to, const std::string& bytes) {
   for (std::size_t done = 0; done < bytes.size();) {
@@ -61,6 +59,8 @@ std::string read_all(int from) {
     answer = kResult + work();
   } catch (const InputError& error) {
     answer = kComplaint + std::string(error.what());
+  } catch (const std::bad_alloc&) {
+    answer = kMemory;
   } catch (const std::exception& error) {
     answer = kComplaint + std::string("cannot be read: ") + error.what();
   }
@@ -87,10 +87,11 @@ std::string run_apart(const std::function<std::string()>& work, double seconds) 
   close(ends[0]);
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGPROF)
+    throw InputError("cannot be read: it takes more than {:g} s", seconds);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || answer.empty())
-    throw InputError("cannot be read: {}", WIFSIGNALED(status) && WTERMSIG(status) == SIGPROF
-                                               ? fmt::format("it takes more than {:g} s", seconds)
-                                               : "the reader broke down over it");
+    throw BrokeDown("cannot be read: the reader broke down over it");
+  if (answer.front() == kMemory) throw BrokeDown("cannot be read: it takes more memory than there is");
   if (answer.front() == kComplaint) throw InputError("{}", answer.substr(1));
   return answer.substr(1);
 }

@@ -1,15 +1,19 @@
 // Spheres that stand for a mesh.
 #pragma once
 
-#include <filesystem>
+#include <functional>
 
 #include "shape/solid_mesh.h"
 
 namespace cairn {
 
-/// `greedy`: the largest gain of volume first, of balls that lie inside the mesh and touch it twice or more.
-/// `best`: balls that may reach out, placed by least squares of the distances between both surfaces.
-enum class FitStrategy { greedy, best };
+/// How far a fit is.
+struct FitProgress {
+  std::size_t spheres = 0;  ///< tried now
+  double done = 0.0;        ///< part of that trial, to 1
+  std::size_t last = 0;     ///< spheres tried before; 0: none
+  double rms = 0.0;         ///< that those came to, see FitError
+};
 
 struct FitOptions {
   std::size_t spheres = 0;  ///< budget; 0: the fewest found that meet `error`
@@ -19,6 +23,7 @@ struct FitOptions {
   /// What the bodies will take their mass from. `spheres`: the moments of the sum of spheres are fitted too,
   /// at the price of worse surfaces; a shape with `mesh` or `union_volume` does not need it.
   MassModel mass = MassModel::mesh;
+  std::function<void(const FitProgress&)> progress = {};  ///< called now and then
 };
 
 inline constexpr std::size_t kMostFitSpheres = 1024;
@@ -26,7 +31,8 @@ inline constexpr std::size_t kMostFitSpheres = 1024;
 /// Fits spheres to a solid. The shape's frame has the solid's directions and its centroid as the origin; its
 /// reference radius is that of the ball of equal volume. The spheres' volumes balance about the centroid
 /// exactly, so that gravity masses exist. The same bits for any number of threads.
-/// @throws InputError when `error` is not met by kMostFitSpheres, or the budget is not in 1..kMostFitSpheres.
+/// @throws InputError when `error` is not met by kMostFitSpheres, which is told from fewer where they are far
+/// off, or the budget is not in 1..kMostFitSpheres.
 Shape fit_spheres(const SolidMesh& solid, const FitOptions& options);
 
 }  // namespace cairn

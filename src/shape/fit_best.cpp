@@ -127,7 +127,8 @@ void remove_least(Shape& balls, std::size_t count, const std::vector<Vec3>& samp
 
 }  // namespace
 
-Shape fit_best(const FitTarget& target, std::size_t count, std::uint64_t seed, bool moments) {
+Shape fit_best(const FitTarget& target, std::size_t count, std::uint64_t seed, bool moments,
+               const std::function<void(double)>& tell) {
   const std::vector<SurfaceSample> touching =
       sample_surface(target.solid.surface, std::clamp(kOfEach * count, kFewest, kMost), seed);
   // Large balls overlap in the core, which makes it too heavy in a sum of spheres.
@@ -150,6 +151,7 @@ Shape fit_best(const FitTarget& target, std::size_t count, std::uint64_t seed, b
   }
   double share = 0.2;  // of the balls that move in a round
   for (std::uint64_t round = 0; round < kRounds && count > 1; ++round) {
+    tell(static_cast<double>(round) / static_cast<double>(kRounds));
     std::array<Shape, kTrials> trials;
     std::array<double, kTrials> costs;
     const Shape all = candidates(std::sqrt(cost));

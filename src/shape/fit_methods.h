@@ -1,6 +1,8 @@
 // The methods behind fit_spheres: on a solid with its centroid at the origin and the volume of the unit ball.
 #pragma once
 
+#include <functional>
+
 #include "shape/fit.h"
 #include "shape/signed_distance.h"
 #include "shape/surface_samples.h"
@@ -25,7 +27,8 @@ Shape fit_greedy(const FitTarget& target, std::size_t count, std::uint64_t seed)
 /// the exposed surface of the spheres to the mesh; spheres that bring least are moved to where they bring
 /// most, with some chance in the choice [on the ground of Wang et al. 2006, The Visual Computer 22, 612, and
 /// Bradshaw & O'Sullivan 2004, ACM Trans. Graph. 23, 1]. `moments`: the second moments of the sum of spheres
-/// are a further term.
-Shape fit_best(const FitTarget& target, std::size_t count, std::uint64_t seed, bool moments);
+/// are a further term. Calls `tell` with the part that is done, to 1.
+Shape fit_best(const FitTarget& target, std::size_t count, std::uint64_t seed, bool moments,
+               const std::function<void(double)>& tell);
 
 }  // namespace cairn

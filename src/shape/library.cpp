@@ -38,6 +38,17 @@ std::string read_text(const fs::path& path) {
   return text;
 }
 
+// Where a shape is expected, users name the mesh that they would like to be one.
+void refuse_mesh(const fs::path& path) {
+  std::string kind = path.extension().string();
+  std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (kind == ".obj" || kind == ".stl" || kind == ".ply" || kind == ".off")
+    throw InputError(
+        "{}: expected a shape file, found a mesh: `cairn shape fit` makes a shape file of it, `cairn shape "
+        "check` tells about the mesh itself",
+        path.string());
+}
+
 bool is_path(const std::string& name) {
   return name.find('/') != std::string::npos || name.ends_with(".toml");
 }
@@ -68,15 +79,20 @@ std::vector<std::string> library_names() {
 }
 
 Shape load_shape(const std::string& name_or_path, const fs::path& base) {
+  refuse_mesh(name_or_path);
   const fs::path path = is_path(name_or_path) ? base / name_or_path : library_file(name_or_path);
   return parse_shape(read_text(path), path.string());
 }
 
 void save_shape(const Shape& shape, const fs::path& path) {
   const std::string text = shape_text(shape);
+  make_rigid(parse_shape(text, path.string() + " (not written)"), MassModel::mesh);
   std::ofstream file(path, std::ios::binary);
-  if (!file || !file.write(text.data(), static_cast<std::streamsize>(text.size())) || !file.flush())
-    throw InputError("{}: cannot be written", path.string());
+  if (!file) throw InputError("{}: cannot be written", path.string());
+  if (file.write(text.data(), static_cast<std::streamsize>(text.size())) && file.flush()) return;
+  std::error_code ignored;
+  if (fs::is_regular_file(path, ignored)) fs::remove(path, ignored);
+  throw InputError("{}: cannot be written", path.string());
 }
 
 }  // namespace cairn

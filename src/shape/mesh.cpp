@@ -23,7 +23,11 @@ namespace {
 constexpr double kWeld = 1e-6;                      // of the extent: a few steps of single precision
 constexpr double kFlat = 1e-9;                      // sine of the corners of a triangle without area
 constexpr double kLargest = 1e15;                   // m
+constexpr double kRounding = 6e-8;                  // of a coordinate in single precision
+constexpr double kSpoilt = 1e-6, kLost = 1e-3;      // of the extent by rounding: is told, is refused
 constexpr std::size_t kMostTriangles = 50'000'000;  // features of a mesh are numbered in 32 bits
+
+constexpr char kWhole = 'w', kCut = 'c';  // polygons: last byte of a packed mesh
 
 constexpr unsigned kSeconds = 60;  // of computing in a reader
 
@@ -94,12 +98,21 @@ bool has_area(const Vec3& a, const Vec3& b, const Vec3& c) {
   return (b - a).cross(c - a).norm() > kFlat * longest;
 }
 
-/// The first line of a message of assimp, safe to print.
-std::string first_line(std::string_view text) {
+/// "an OFF file"
+std::string a_file(std::string kind) {
+  std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::toupper(c); });
+  return fmt::format("{} {} file", kind == "PLY" ? "a" : "an", kind);
+}
+
+/// What is said of a file that assimp refuses: the first line of its message, safe to print, unless that
+/// tells of its own insides only.
+std::string complaint(std::string_view text, const std::string& kind) {
+  const std::string what = "truncated or not " + a_file(kind);
+  if (text.empty() || text.find("$$$") != text.npos || text.find("::") != text.npos) return what;
   std::string line(text.substr(0, std::min<std::size_t>(text.find('\n'), 200)));
   std::replace_if(
       line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
-  return line;
+  return fmt::format("{}: {}", what, line);
 }
 
 template <class T>
@@ -119,12 +132,27 @@ std::vector<T> unpack(std::string_view& from) {
   return values;
 }
 
-/// Vertices and triangles of a file as assimp reads them, packed.
+/// Fewest and most corners of a facet; the readers leave facets that a file ends before without any.
+std::pair<unsigned, unsigned> corners(const aiScene& scene) {
+  unsigned fewest = 3, most = 3;
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m)
+    for (unsigned f = 0; f < scene.mMeshes[m]->mNumFaces; ++f) {
+      fewest = std::min(fewest, scene.mMeshes[m]->mFaces[f].mNumIndices);
+      most = std::max(most, scene.mMeshes[m]->mFaces[f].mNumIndices);
+    }
+  return {fewest, most};
+}
+
+/// Vertices and triangles of a file as assimp reads them, and whether polygons were cut, packed.
 std::string import(std::string_view bytes, const std::string& kind) {
   Assimp::Importer importer;
-  const aiScene* scene =
-      importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate, kind.c_str());
-  if (!scene) throw InputError("not a valid mesh: {}", first_line(importer.GetErrorString()));
+  const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, kind.c_str());
+  if (!scene) throw InputError("{}", complaint(importer.GetErrorString(), kind));
+  const auto [fewest, most] = corners(*scene);
+  if (fewest == 0) throw InputError("{}", complaint("", kind));
+  const bool cut = most > 3;
+  if (cut) scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+  if (!scene) throw InputError("{}", complaint(importer.GetErrorString(), kind));
   std::vector<std::array<float, 3>> vertices;
   std::vector<Triangle> triangles;
   for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
@@ -138,21 +166,68 @@ std::string import(std::string_view bytes, const std::string& kind) {
       Triangle t;
       for (unsigned k = 0; k < 3; ++k) {
         if (face.mIndices[k] >= part.mNumVertices)
-          throw InputError("triangle {} has a vertex that does not exist", triangles.size());
+          throw InputError("{} has a vertex that does not exist", facet_of_file(triangles.size(), cut));
         t[k] = first + face.mIndices[k];
       }
       triangles.push_back(t);
     }
   }
+  if (triangles.empty()) throw InputError("holds no triangle, or is truncated");
   if (triangles.size() > kMostTriangles)
     throw InputError("expected at most {} triangles, found {}", kMostTriangles, triangles.size());
   std::string out;
   pack(out, vertices);
   pack(out, triangles);
-  return out;
+  return out + (cut ? kCut : kWhole);
+}
+
+void check_vertices(const TriangleMesh& mesh, const std::string& name, bool cut) {
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const Vec3& x = mesh.vertices[v];
+    if ((x.array().abs() < kLargest).all()) continue;  // nor NaN
+    const auto user = std::find_if(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
+      return std::find(t.begin(), t.end(), v) != t.end();
+    });
+    const auto number = static_cast<std::size_t>(user - mesh.triangles.begin());
+    throw InputError("{}: {} has a vertex at ({:.6g}, {:.6g}, {:.6g}) m, not finite or beyond {:g} m", name,
+                     number < mesh.triangles.size() ? facet_of_file(number, cut) : "no facet, but the file,",
+                     x.x(), x.y(), x.z(), kLargest);
+  }
+}
+
+/// What single precision takes from a mesh that lies far from its origin; nothing is said of others.
+/// @throws InputError when too few digits are left.
+std::string lost_digits(double farthest, double extent, const std::string& name) {
+  const double part = kRounding * farthest / extent;
+  if (!(part > kSpoilt)) return {};
+  const std::string where = fmt::format(
+      "lies up to {:.3g} m from its origin at an extent of {:.3g} m, so that of single precision, in which "
+      "meshes are read, {:.0f} digits are left: move it to its centre",
+      farthest, extent, std::max(0.0, std::floor(-std::log10(part))));
+  if (part > kLost) throw InputError("{}: {}", name, where);
+  return where;
+}
+
+/// @throws InputError unless the path is that of a regular file: anything else might never end.
+void check_regular(const std::filesystem::path& path) {
+  using std::filesystem::file_type;
+  std::error_code none;
+  const file_type type = std::filesystem::status(path, none).type();
+  if (type == file_type::regular) return;
+  if (type == file_type::not_found || type == file_type::none)
+    throw InputError("{}: no such mesh file", path.string());
+  throw InputError("{}: expected a mesh file, found {}", path.string(),
+                   type == file_type::directory ? "a directory"
+                   : type == file_type::fifo    ? "a pipe"
+                   : type == file_type::socket  ? "a socket"
+                                                : "a device");
 }
 
 }  // namespace
+
+std::string facet_of_file(std::size_t triangle, bool cut) {
+  return fmt::format("facet {} of the file{}", triangle + 1, cut ? " cut into triangles" : "");
+}
 
 TriangleMesh weld(const TriangleMesh& mesh, double tolerance, Welding* welding) {
   Welder welder(tolerance);
@@ -193,22 +268,28 @@ TriangleMesh weld(const TriangleMesh& mesh, double tolerance, Welding* welding) 
 }
 
 TriangleMesh make_mesh(const std::vector<std::array<float, 3>>& vertices, std::vector<Triangle> triangles,
-                       const std::string& name, double unit, Welding* welding) {
+                       const std::string& name, double unit, Welding* welding, bool cut) {
   TriangleMesh mesh;
-  for (const auto& [x, y, z] : vertices) {
-    mesh.vertices.push_back(unit * Vec3(x, y, z));
-    if (!(mesh.vertices.back().array().abs() < kLargest).all())  // nor NaN
-      throw InputError("{}: vertex {} is not finite or farther than {:g} m from the origin", name,
-                       mesh.vertices.size() - 1, kLargest);
-  }
+  for (const auto& [x, y, z] : vertices) mesh.vertices.push_back(unit * Vec3(x, y, z));
   mesh.triangles = std::move(triangles);
+  check_vertices(mesh, name, cut);
   Vec3 low = Vec3::Constant(kLargest), high = -low;
-  for (const Vec3& x : mesh.vertices) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
+  for (const Triangle& t : mesh.triangles)
+    for (const std::uint32_t v : t) {
+      low = low.cwiseMin(mesh.vertices[v]);
+      high = high.cwiseMax(mesh.vertices[v]);
+    }
   const std::size_t given = mesh.triangles.size();
-  if (given > 0) mesh = weld(mesh, kWeld * (high - low).norm(), welding);
+  std::string far_off;
+  if (given > 0) {
+    const double extent = (high - low).norm();
+    far_off = lost_digits(high.cwiseMax(-low).maxCoeff(), extent, name);
+    mesh = weld(mesh, kWeld * extent, welding);
+  }
+  if (welding) {
+    welding->cut = cut;
+    welding->far_off = std::move(far_off);
+  }
   if (mesh.triangles.empty())
     throw InputError("{}: {}", name, given == 0 ? "holds no triangle" : "holds no triangle with an area");
   return mesh;
@@ -219,17 +300,22 @@ TriangleMesh parse_mesh(std::string_view bytes, const std::string& kind, const s
   if (kind != "obj" && kind != "stl" && kind != "ply" && kind != "off")
     throw InputError("{}: not a mesh file that can be read; expected .obj, .stl, .ply or .off", name);
   // Broken files make assimp 5.2 write beyond its memory, hang, or ask for any amount of it.
-  const std::string packed =
-      naming(name, [&] { return run_apart([&] { return import(bytes, kind); }, seconds); });
+  const std::string packed = naming(name, [&] {
+    try {
+      return run_apart([&] { return import(bytes, kind); }, seconds);
+    } catch (const BrokeDown&) {
+      throw InputError("{}", complaint("", kind));
+    }
+  });
   std::string_view rest = packed;
   const auto vertices = unpack<std::array<float, 3>>(rest);
-  return make_mesh(vertices, unpack<Triangle>(rest), name, unit, welding);
+  std::vector<Triangle> triangles = unpack<Triangle>(rest);
+  return make_mesh(vertices, std::move(triangles), name, unit, welding, rest.front() == kCut);
 }
 
 TriangleMesh load_mesh(const std::filesystem::path& path, double unit, Welding* welding) {
   const std::string name = path.string();
-  std::error_code none;
-  if (!std::filesystem::is_regular_file(path, none)) throw InputError("{}: no such mesh file", name);
+  check_regular(path);
   std::ifstream file(path, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
   if (!file) throw InputError("{}: cannot be read", name);

@@ -15,6 +15,10 @@ namespace cairn {
 /// that stand for themselves).
 enum class MassModel { spheres, union_volume, mesh };
 
+/// `greedy`: the largest gain of volume first, of balls that lie inside the mesh and touch it twice or more.
+/// `best`: balls that may reach out, placed by least squares of the distances between both surfaces.
+enum class FitStrategy { greedy, best };
+
 /// Volume, centroid and inertia of a solid of unit density.
 struct MassProperties {
   double volume = 0.0;
@@ -35,6 +39,13 @@ struct FitError {
   double inertia_of_spheres = 0.0;  ///< the same of the sum of spheres
 };
 
+/// What else it takes, with the mesh and the number of spheres, to fit the same spheres again.
+struct FitRecord {
+  FitStrategy strategy = FitStrategy::best;
+  MassModel mass = MassModel::mesh;
+  std::uint64_t seed = 1;
+};
+
 /// The mesh that a shape's spheres stand for.
 struct SourceMesh {
   std::string file;            ///< as the shape file names it, relative to itself
@@ -43,6 +54,7 @@ struct SourceMesh {
   Vec3 origin = Vec3::Zero();  ///< m, of the shape's frame in the mesh's
   MassProperties mass;         ///< in reference radii
   FitError error;
+  std::optional<FitRecord> fit = {};  ///< absent from files of other origin
 };
 
 /// Spheres as the shape file gives them. Lengths in units of the reference radius ("size" of a body, m).

@@ -33,6 +33,18 @@ constexpr std::pair<const char*, double FitError::*> kErrors[] = {
     {"inertia_of_spheres", &FitError::inertia_of_spheres},
 };
 
+constexpr std::pair<const char*, FitStrategy> kStrategies[] = {{"best", FitStrategy::best},
+                                                               {"greedy", FitStrategy::greedy}};
+constexpr std::pair<const char*, MassModel> kMassModels[] = {
+    {"mesh", MassModel::mesh}, {"union", MassModel::union_volume}, {"spheres", MassModel::spheres}};
+
+template <class Names, class Value>
+std::string name_of(const Names& names, Value value) {
+  for (const auto& [name, of] : names)
+    if (of == value) return name;
+  return {};
+}
+
 // A number that reads back as the same one, and as a number with a fraction.
 std::string exact(double value) {
   std::string text = fmt::format("{}", value);
@@ -47,6 +59,11 @@ std::string exact(const Vec3& v) {
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7f) {
+      out += fmt::format("\\u{:04X}", byte);
+      continue;
+    }
     if (c == '"' || c == '\\') out += '\\';
     out += c;
   }
@@ -69,7 +86,7 @@ class Reader {
   explicit Reader(std::string file) : file_(std::move(file)) {}
 
   Shape read(const toml::table& root) const {
-    check_keys(root, {"name", "description", "mesh", "error", "sphere"});
+    check_keys(root, {"name", "description", "mesh", "error", "fit", "sphere"});
     Shape shape;
     shape.name = text(root, "name");
     if (shape.name.empty()) fail(*root.get("name"), "name", "expected a name, found an empty string");
@@ -93,6 +110,10 @@ class Reader {
     if (root.contains("error")) {
       if (!shape.source) fail(*root.get("error"), "error", "expected a [mesh] table beside it");
       shape.source->error = error(table(root, "error"));
+    }
+    if (root.contains("fit")) {
+      if (!shape.source) fail(*root.get("fit"), "fit", "expected a [mesh] table beside it");
+      shape.source->fit = fit(table(root, "fit"));
     }
     return shape;
   }
@@ -210,6 +231,27 @@ class Reader {
     return error;
   }
 
+  template <class Names>
+  auto choice(const toml::table& from, std::string_view key, const Names& names) const {
+    std::vector<std::string> words;
+    for (const auto& [name, value] : names) words.push_back(fmt::format("'{}'", name));
+    const std::string expected = fmt::format("expected one of {}", fmt::join(words, ", "));
+    const toml::node& node = required(from, key, expected);
+    for (const auto& [name, value] : names)
+      if (node.value<std::string_view>() == name) return value;
+    fail(node, key, expected);
+  }
+
+  FitRecord fit(const toml::table& from) const {
+    check_keys(from, {"strategy", "mass", "seed"});
+    constexpr std::string_view expected = "expected an integer from 0 on";
+    FitRecord record{choice(from, "strategy", kStrategies), choice(from, "mass", kMassModels)};
+    const toml::node& seed = required(from, "seed", expected);
+    if (!seed.is_integer() || *seed.value<std::int64_t>() < 0) fail(seed, "seed", expected);
+    record.seed = static_cast<std::uint64_t>(*seed.value<std::int64_t>());
+    return record;
+  }
+
   double radius(const toml::table& sphere) const {
     const std::string expected =
         fmt::format("expected a number from {} to {} (reference radii)", kSmallest, kLargest);
@@ -273,6 +315,11 @@ std::string shape_text(const Shape& shape) {
     out +=
         "\n[error]  # of the spheres: distances between the surfaces, the others of the volume they cover\n";
     for (const auto& [key, value] : kErrors) out += fmt::format("{} = {}\n", key, exact(mesh.error.*value));
+    if (mesh.fit)
+      out += fmt::format(
+          "\n[fit]  # options with which `cairn shape fit` gives these spheres again\nstrategy = "
+          "\"{}\"\nmass = \"{}\"\nseed = {}\n",
+          name_of(kStrategies, mesh.fit->strategy), name_of(kMassModels, mesh.fit->mass), mesh.fit->seed);
   }
   for (std::size_t s = 0; s < shape.radii.size(); ++s)
     out += fmt::format("\n[[sphere]]\ncenter = {}\nradius = {}\n", exact(shape.centers[s]),

@@ -1,5 +1,6 @@
 // One shape file: TOML with `name`, optionally `description`, one [[sphere]] table a sphere, and for spheres
-// that stand for a mesh the tables [mesh] (its mass properties) and [error] (how well they do).
+// that stand for a mesh the tables [mesh] (its mass properties), [error] (how well they do) and, optionally,
+// [fit] (how to fit them again).
 #pragma once
 
 #include <string>

@@ -17,9 +17,7 @@ constexpr std::size_t kMostParts = 64;  // nested in each other, which is looked
 
 class Checker {
  public:
-  Checker(TriangleMesh mesh, std::span<const Index> numbers) : numbers_(numbers) {
-    solid_.surface = std::move(mesh);
-  }
+  Checker(TriangleMesh mesh, const Welding* read) : read_(read) { solid_.surface = std::move(mesh); }
 
   SolidMesh check() {
     check_numbers();
@@ -35,22 +33,23 @@ class Checker {
   const std::vector<Vec3>& vertices() const { return solid_.surface.vertices; }
   std::vector<std::array<Index, 3>>& triangles() { return solid_.surface.triangles; }
 
-  /// "facet 12 at (x, y, z)"
+  /// "facet 12 of the file at (x, y, z)"
   std::string facet(std::size_t t) {
     Vec3 middle = Vec3::Zero();
     for (const Index v : triangles()[t]) middle += vertices()[v] / 3.0;
-    return fmt::format("facet {} at ({:.6g}, {:.6g}, {:.6g})", number(t), middle.x(), middle.y(), middle.z());
+    return fmt::format("{} at ({:.6g}, {:.6g}, {:.6g})", number(t), middle.x(), middle.y(), middle.z());
   }
-  std::size_t number(std::size_t t) const { return (numbers_.empty() ? t : numbers_[t]) + 1; }
+  std::string number(std::size_t t) const {
+    return read_ ? facet_of_file(read_->kept[t], read_->cut) : fmt::format("facet {}", t + 1);
+  }
 
   void check_numbers() {
     if (triangles().empty()) throw InputError("expected a closed surface, found no triangle");
     for (std::size_t t = 0; t < triangles().size(); ++t) {
       const auto& [a, b, c] = triangles()[t];
       for (const Index v : triangles()[t]) {
-        if (v >= vertices().size()) throw InputError("facet {} has a vertex that does not exist", number(t));
-        if (!vertices()[v].allFinite())
-          throw InputError("facet {} has a vertex that is not finite", number(t));
+        if (v >= vertices().size()) throw InputError("{} has a vertex that does not exist", number(t));
+        if (!vertices()[v].allFinite()) throw InputError("{} has a vertex that is not finite", number(t));
       }
       if (a == b || b == c || c == a) throw InputError("{} has the same vertex twice", facet(t));
     }
@@ -170,9 +169,9 @@ class Checker {
   }
 
   void check_crossings() {
-    const auto crossing = find_crossing(solid_.surface);
+    const auto crossing = find_crossing(solid_.surface, solid_.neighbours);
     if (!crossing) return;
-    throw InputError("crosses itself: {} and facet {}", facet(crossing->first), number(crossing->second));
+    throw InputError("crosses itself: {} and {}", facet(crossing->first), number(crossing->second));
   }
 
   /// How often a part winds around a point that is not on it [van Oosterom & Strackee 1983, IEEE Trans.
@@ -220,17 +219,25 @@ class Checker {
         turned_[t] ^= 1;
       }
     solid_.cavities = parts - 1;
-    const auto turned = std::count(turned_.begin(), turned_.end(), 1);
-    if (turned > 0) {
-      const auto first =
-          static_cast<std::size_t>(std::find(turned_.begin(), turned_.end(), 1) - turned_.begin());
-      solid_.repairs.push_back(
-          fmt::format("turned {} facets that faced inwards, the first is {}", turned, facet(first)));
-    }
+    tell_turned(true, outer, "turned {} facets that faced inwards, the first is {}");
+    tell_turned(
+        false, outer,
+        "took shells inside another as cavities: turned {} facets that faced out of them, the first is {}");
+  }
+
+  /// Of the outer part or of all others.
+  void tell_turned(bool of_outer, Index outer, fmt::format_string<std::size_t&, std::string> words) {
+    std::size_t count = 0, first = 0;
+    for (std::size_t t = turned_.size(); t-- > 0;)
+      if (turned_[t] && (part_[t] == outer) == of_outer) {
+        ++count;
+        first = t;
+      }
+    if (count > 0) solid_.repairs.push_back(fmt::format(words, count, facet(first)));
   }
 
   SolidMesh solid_;
-  std::span<const Index> numbers_;
+  const Welding* read_;
   std::vector<Index> part_;      // of each triangle
   std::vector<Index> first_;     // triangle of each part
   std::vector<double> volumes_;  // of each part
@@ -239,15 +246,16 @@ class Checker {
 
 }  // namespace
 
-SolidMesh make_solid(TriangleMesh mesh, std::span<const std::uint32_t> numbers) {
-  return Checker(std::move(mesh), numbers).check();
+SolidMesh make_solid(TriangleMesh mesh, const Welding* read) {
+  return Checker(std::move(mesh), read).check();
 }
 
 SolidMesh load_solid(const std::filesystem::path& path, double unit) {
   return naming(path.string(), [&] {
     Welding welding;
     TriangleMesh mesh = load_mesh(path, unit, &welding);
-    SolidMesh solid = make_solid(std::move(mesh), welding.kept);
+    SolidMesh solid = make_solid(std::move(mesh), &welding);
+    solid.warning = welding.far_off;
     std::vector<std::string>& repairs = solid.repairs;
     if (welding.farthest > 0.0)
       repairs.push_back(fmt::format("joined vertices up to {:.3g} m apart", welding.farthest));

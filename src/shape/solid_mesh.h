@@ -3,7 +3,6 @@
 
 #include <array>
 #include <filesystem>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -19,14 +18,15 @@ struct SolidMesh {
   std::vector<std::array<std::uint32_t, 3>> neighbours;  ///< across the edge from corner k to the next
   std::size_t cavities = 0;
   std::vector<std::string> repairs;  ///< what was changed, one line each
+  std::string warning = {};          ///< of digits lost to a distance from the origin; mostly empty
 };
 
-/// Turns triangles that face inwards and checks everything else. `numbers`, if any, are those that messages
-/// give the facets, less one.
+/// Turns triangles that face inwards and checks everything else. `read`, if any, tells which facets of a file
+/// the triangles were, for the messages; they count from 1 otherwise too.
 /// @throws InputError with the first offending facet: a vertex that does not exist or is not finite, no
 /// triangles, an open edge, an edge of three triangles, a vertex of two fans, one-sided surfaces, triangles
 /// that cross, no volume, several separate parts.
-SolidMesh make_solid(TriangleMesh mesh, std::span<const std::uint32_t> numbers = {});
+SolidMesh make_solid(TriangleMesh mesh, const Welding* read = nullptr);
 
 /// Reads a mesh file, see load_mesh, as the surface of a solid.
 /// @throws InputError "FILE: what is wrong".

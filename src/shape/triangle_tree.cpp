@@ -132,9 +132,17 @@ NearestTriangle TriangleTree::nearest(const Vec3& y) const {
   return best;
 }
 
-void TriangleTree::find(const Vec3& low, const Vec3& high, std::vector<std::uint32_t>& found) const {
-  const auto meets = [&](const Vec3& l, const Vec3& h) {
-    return (l.array() <= high.array()).all() && (h.array() >= low.array()).all();
+void TriangleTree::find_along(const Vec3& p, const Vec3& q, double margin,
+                              std::vector<std::uint32_t>& found) const {
+  const Vec3 middle = 0.5 * (p + q), half = 0.5 * (q - p), reach = half.cwiseAbs();
+  // They are apart along an axis of the box, or along one that is perpendicular to that and the segment.
+  const auto meets = [&](const Vec3& low, const Vec3& high) {
+    const Vec3 away = middle - 0.5 * (low + high), size = (0.5 * (high - low)).array() + margin;
+    if ((away.cwiseAbs().array() > (size + reach).array()).any()) return false;
+    const Vec3 across = away.cross(half).cwiseAbs();
+    return across.x() <= size.y() * reach.z() + size.z() * reach.y() &&
+           across.y() <= size.z() * reach.x() + size.x() * reach.z() &&
+           across.z() <= size.x() * reach.y() + size.y() * reach.x();
   };
   std::uint32_t stack[64] = {0};
   for (int top = 1; top > 0;) {

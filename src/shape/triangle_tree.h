@@ -47,8 +47,8 @@ class TriangleTree {
   NearestTriangle nearest(const Vec3& y) const;
   /// Distance of y from the mesh.
   double distance(const Vec3& y) const { return nearest(y).at.distance; }
-  /// Appends the triangles whose boxes meet the box from `low` to `high`.
-  void find(const Vec3& low, const Vec3& high, std::vector<std::uint32_t>& found) const;
+  /// Appends the triangles whose boxes, larger by `margin` on all sides, meet the segment from p to q.
+  void find_along(const Vec3& p, const Vec3& q, double margin, std::vector<std::uint32_t>& found) const;
 
  private:
   struct Node {

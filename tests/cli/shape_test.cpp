@@ -33,8 +33,8 @@ TEST(ShapeCommand, CheckTellsVolumeMomentsAndRepairs) {
 
   folder.write("inside.obj", block("f 1 4 3\n" + kFacets.substr(8)));
   const Outcome turned = cairn(folder, {"shape", "check", "inside.obj"});
-  EXPECT_TRUE(
-      contains(turned.out, "repaired      turned 1 facets that faced inwards, the first is facet 1 at"))
+  EXPECT_TRUE(contains(
+      turned.out, "repaired      turned 1 facets that faced inwards, the first is facet 1 of the file at"))
       << turned.out;
 }
 
@@ -54,12 +54,16 @@ TEST(ShapeCommand, BrokenMeshesAreOneLine) {
       if (std::string(command) == "fit") all.insert(all.end(), {"--spheres", "2"});
       return cairn(folder, all);
     };
-    EXPECT_TRUE(refused(words("open.obj"), {"open.obj: not closed", "facet 1 at", "3 such edges"}));
-    EXPECT_TRUE(refused(words("crossing.obj"), {"crossing.obj: crosses itself: facet 1 at", "and facet 13"}));
-    EXPECT_TRUE(refused(words("twice.obj"), {"twice.obj: expected one solid", "begins with facet 13 at"}));
-    EXPECT_TRUE(refused(words("bad.obj"), {"bad.obj: vertex 1 is not finite"}));
+    EXPECT_TRUE(
+        refused(words("open.obj"), {"open.obj: not closed", "facet 1 of the file at", "3 such edges"}));
+    EXPECT_TRUE(refused(words("crossing.obj"), {"crossing.obj: crosses itself: facet 1 of the file at",
+                                                "and facet 13 of the file"}));
+    EXPECT_TRUE(refused(words("twice.obj"),
+                        {"twice.obj: expected one solid", "begins with facet 13 of the file at"}));
+    EXPECT_TRUE(refused(words("bad.obj"),
+                        {"bad.obj: facet 1 of the file has a vertex at (1, 0, nan) m, not finite"}));
     EXPECT_TRUE(refused(words("none.obj"), {"none.obj: no such mesh file"}));
-    EXPECT_TRUE(refused(words("."), {"no such mesh file"}));
+    EXPECT_TRUE(refused(words("."), {"expected a mesh file, found a directory"}));
   }
   folder.write("block.obj", block(kFacets));
   EXPECT_EQ(cairn(folder, {"shape", "fit", "block.obj"}).code, 2);
@@ -67,6 +71,80 @@ TEST(ShapeCommand, BrokenMeshesAreOneLine) {
   EXPECT_EQ(cairn(folder, {"shape", "fit", "block.obj", "--spheres", "2", "--error", "0.1"}).code, 2);
   EXPECT_EQ(cairn(folder, {"shape", "fit", "block.obj", "--spheres", "2", "--strategy", "luck"}).code, 2);
   EXPECT_EQ(cairn(folder, {"shape", "check", "block.obj", "--unit", "0"}).code, 2);
+}
+
+TEST(ShapeCommand, OptionsAreRefusedInPlainWords) {
+  const Folder folder;
+  folder.write("block.obj", block(kFacets));
+  const auto fit = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"shape", "fit", "block.obj"});
+    return cairn(folder, options);
+  };
+  EXPECT_TRUE(refused(fit({"--error", "nan"}), {"--error: expected a number from 0.0001 to 1, found 'nan'"}));
+  EXPECT_TRUE(refused(fit({"--spheres", "2", "--unit", "nan"}),
+                      {"--unit: expected a number from 1e-12 to 1e12, found 'nan'"}));
+  EXPECT_TRUE(
+      refused(fit({"--spheres", "2", "--seed", "-1"}), {"--seed: expected a whole number from 0", "'-1'"}));
+  EXPECT_TRUE(refused(fit({"--spheres", "2.5"}), {"--spheres: expected a whole number from 1 to 1024"}));
+  EXPECT_TRUE(refused(fit({"--spheres", "2", "--mass", "foo"}),
+                      {"--mass: expected 'mesh', 'union' or 'spheres', found 'foo'"}));
+  EXPECT_TRUE(refused(fit({"--spheres", "2", "--strategy", "luck"}),
+                      {"--strategy: expected 'best' or 'greedy', found 'luck'"}));
+  EXPECT_TRUE(refused(cairn(folder, {"shape", "show", "cube", "-o", "cube.jpg"}),
+                      {"cube.jpg: expected a name that ends in .png"}));
+  EXPECT_TRUE(refused(cairn(folder, {"shape", "list", "--sheet", "all"}), {"ends in .png"}));
+  EXPECT_TRUE(refused(cairn(folder, {"shape", "show", "block.obj"}),
+                      {"block.obj: expected a shape file, found a mesh: `cairn shape fit`"}));
+}
+
+TEST(ShapeCommand, FitsThatWillNotDoAreRefusedOrWarnedOf) {
+  const Folder folder;
+  const std::string thin = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.3 0.3 {}\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+  const auto fit = [&](const std::string& height) {
+    std::string text = thin;
+    folder.write("thin.obj", text.replace(text.find("{}"), 2, height));
+    return cairn(folder, {"shape", "fit", "thin.obj", "--spheres", "6", "-o", "thin.toml"});
+  };
+  const Outcome hopeless = fit("1e-9");
+  EXPECT_TRUE(refused(hopeless, {"thin.obj: thin.toml (not written):", "key 'inertia'"}));
+  EXPECT_FALSE(std::filesystem::exists(folder / "thin.toml"));
+  const Outcome poor = fit("1e-5");
+  EXPECT_EQ(poor.code, 0);
+  EXPECT_TRUE(contains(poor.err, "times the volume of the mesh, which they hardly stand for")) << poor.err;
+
+  // Far from the origin, and a name that TOML must escape.
+  std::string far = block(kFacets);
+  for (std::size_t at = 0; (at = far.find("v ", at)) != far.npos; at += 6) far.insert(at + 2, "100");
+  folder.write("far.obj", far);
+  const Outcome check = cairn(folder, {"shape", "check", "far.obj"});
+  EXPECT_TRUE(contains(check.out, "warning       lies up to 1e+03 m from its origin")) << check.out;
+  const Outcome named = cairn(folder, {"shape", "fit", "far.obj", "--spheres", "2", "-o", "a\"\nb.toml"});
+  EXPECT_EQ(named.code, 0) << named.err;
+  EXPECT_TRUE(contains(named.err, "far.obj: lies up to")) << named.err;
+  EXPECT_TRUE(contains(cairn(folder, {"shape", "show", "a\"\nb.toml"}).out, "a\"_b: 2 spheres for far.obj"));
+}
+
+TEST(ShapeCommand, AFitCanBeRepeatedFromItsFile) {
+  const Folder folder;
+  folder.write("block.obj", block(kFacets));
+  const auto fit = [&](const std::string& output) {
+    return cairn(folder, {"shape", "fit", "block.obj", "--spheres", "3", "--strategy", "greedy", "--seed",
+                          "7", "--mass", "union", "-o", output});
+  };
+  ASSERT_TRUE(succeeded(fit("shape.toml")));
+  const std::string text = read_bytes(folder / "shape.toml");
+  EXPECT_TRUE(contains(text, "strategy = \"greedy\"\nmass = \"union\"\nseed = 7\n")) << text;
+  std::filesystem::create_directory(folder / "other");
+  EXPECT_TRUE(succeeded(fit("other/shape.toml")));
+  std::filesystem::remove(folder / "block.obj");
+  for (const bool draw : {false, true}) {
+    std::vector<std::string> words = {"shape", "show", "shape.toml"};
+    if (draw) words.insert(words.end(), {"-o", "shape.png"});
+    const Outcome show = cairn(folder, words);
+    EXPECT_EQ(show.code, 0);
+    EXPECT_TRUE(contains(show.err, "block.obj: no such mesh file")) << show.err;
+    EXPECT_TRUE(contains(show.out, "gravity off"));
+  }
 }
 
 TEST(ShapeCommand, AMeshBecomesAShapeInAScene) {

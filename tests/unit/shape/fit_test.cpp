@@ -219,6 +219,24 @@ TEST(Fit, FewestSpheresForAnError) {
   EXPECT_LE(rms(shape), 0.05);
   EXPECT_GT(rms(fit_spheres(solid, {.spheres = shape.radii.size() - 1})), 0.05);
   EXPECT_THROW(fit_spheres(solid, {}), InputError);
+  std::vector<std::size_t> tried;
+  double done = 0.0;
+  const auto progress = [&](const FitProgress& p) {
+    if (tried.empty() || tried.back() != p.spheres) tried.push_back(p.spheres);
+    EXPECT_EQ(p.last, tried.size() > 1 ? tried[tried.size() - 2] : 0u);
+    EXPECT_EQ(p.last > 0, p.rms > 0.0);
+    done = std::max(done, p.done);
+  };
+  try {  // told long before all 1024
+    fit_spheres(make_solid(models::boulder(1)), {.error = 1e-4, .progress = progress});
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_TRUE(
+        std::string(error.what()).starts_with("an RMS distance of 0.0001 is out of reach of 1024 spheres"))
+        << error.what();
+  }
+  EXPECT_EQ(tried, (std::vector<std::size_t>{1, 2, 4, 8, 16, 32}));
+  EXPECT_GT(done, 0.9);
   EXPECT_THROW(fit_spheres(solid, {.spheres = kMostFitSpheres + 1}), InputError);
 }
 
@@ -236,6 +254,17 @@ TEST(ShapeFile, AFittedShapeReadsBackTheSame) {
   EXPECT_EQ(read.centers, shape.centers);
   EXPECT_EQ(read.source->mass.inertia, shape.source->mass.inertia);
   EXPECT_EQ(read.source->error.greatest_from_spheres, shape.source->error.greatest_from_spheres);
+  ASSERT_TRUE(read.source->fit);
+  EXPECT_EQ(read.source->fit->strategy, FitStrategy::best);
+  EXPECT_EQ(read.source->fit->mass, MassModel::mesh);
+  EXPECT_EQ(read.source->fit->seed, 1u);
+  shape.source->fit.reset();  // as in files of older versions
+  EXPECT_FALSE(parse_shape(shape_text(shape), "rock.toml").source->fit);
+}
+
+TEST(ShapeFile, TextIsEscaped) {
+  const Shape shape{.name = "a\"b\n\\", .description = "", .centers = {Vec3::Zero()}, .radii = {1.0}};
+  EXPECT_TRUE(shape_text(shape).starts_with("name = \"a\\\"b\\u000A\\\\\"\n")) << shape_text(shape);
 }
 
 TEST(ShapeFile, MistakesInTheMeshTablesAreOneLine) {
@@ -261,6 +290,10 @@ TEST(ShapeFile, MistakesInTheMeshTablesAreOneLine) {
   EXPECT_NE(complaint("unit = ", "units = ").find("did you mean 'unit'?"), std::string::npos);
   EXPECT_NE(complaint("rms = ", "rmss = ").find("key 'rmss': unknown"), std::string::npos);
   EXPECT_NE(complaint("[mesh]", "[mash]").find("key 'mash': unknown, did you mean 'mesh'?"),
+            std::string::npos);
+  EXPECT_NE(complaint("strategy = \"best", "strategy = \"bes").find("key 'strategy': expected one of 'best'"),
+            std::string::npos);
+  EXPECT_NE(complaint("seed = 1", "seed = -1").find("key 'seed': expected an integer from 0 on"),
             std::string::npos);
   EXPECT_NE(complaint("origin = [", "origin = [nan, ").find("key 'origin': expected 3 numbers"),
             std::string::npos);

@@ -123,7 +123,7 @@ TEST_F(LibraryTest, MessagesNameLineColumnAndKey) {
   EXPECT_EQ(message("descripton = \"x\"\n" + kGood),
             ":1:1: key 'descripton': unknown, did you mean 'description'?");
   EXPECT_EQ(message("name = \"a\"\nzzzzzzzzz = 1\n"),
-            ":2:1: key 'zzzzzzzzz': unknown, expected name, description, mesh, error, sphere");
+            ":2:1: key 'zzzzzzzzz': unknown, expected name, description, mesh, error, fit, sphere");
   EXPECT_EQ(message("name = 3\n"), ":1:8: key 'name': expected one line of text in quotes");
   EXPECT_EQ(message("name = \"\"\n"), ":1:8: key 'name': expected a name, found an empty string");
   EXPECT_EQ(message("name = \"a\"\n"), ":1:1: key 'sphere': missing, expected at least one [[sphere]] table");
@@ -169,6 +169,45 @@ TEST_F(LibraryTest, RejectsWhatIsNotAFile) {
   write("large.toml", "");
   fs::resize_file(directory_ / "large.toml", (std::uintmax_t{64} << 20) + 1);
   EXPECT_THROW(load_shape("large.toml", directory_), InputError);
+}
+
+TEST_F(LibraryTest, MeshesAreNotShapes) {
+  for (const char* name : {"rock.obj", "a/rock.STL", "rock.ply", "rock.off"}) {
+    try {
+      load_shape(name, directory_);
+      FAIL();
+    } catch (const InputError& error) {
+      EXPECT_TRUE(
+          std::string(error.what())
+              .starts_with(std::string(name) + ": expected a shape file, found a mesh: `cairn shape fit`"))
+          << error.what();
+    }
+  }
+}
+
+TEST_F(LibraryTest, OnlyShapesThatReadBackAreWritten) {
+  Shape shape{.name = "grain", .description = "", .centers = {Vec3::Zero()}, .radii = {1.0}};
+  save_shape(shape, directory_ / "grain.toml");
+  EXPECT_EQ(load_shape("grain.toml", directory_).name, "grain");
+  const auto refused = [&](const Shape& bad, const std::string& words) {
+    try {
+      save_shape(bad, directory_ / "bad.toml");
+      ADD_FAILURE() << words;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    }
+    EXPECT_FALSE(fs::exists(directory_ / "bad.toml"));
+  };
+  shape.name = "two\nlines";
+  refused(shape, "bad.toml (not written):1:8: key 'name': expected one line of text");
+  shape.name = "grain";
+  shape.radii[0] = 1e-9;
+  refused(shape, "key 'radius'");
+  shape.radii[0] = 1.0;
+  shape.source = SourceMesh{};
+  shape.source->file = "rock.obj";
+  shape.source->size = 1e-30;
+  refused(shape, "key 'size': expected a number from 1e-12 to 1e+12");
 }
 
 TEST(NearestName, FewestEdits) {

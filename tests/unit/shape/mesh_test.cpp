@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 
@@ -125,7 +126,7 @@ TEST(Mesh, BadFilesAreRefusedInOneLine) {
   EXPECT_EQ(error_of(missing), missing + ": no such mesh file");
   refused("a.step", "ISO-10303-21;", "expected .obj, .stl, .ply or .off");
   refused("empty.obj", "", "the file is empty");
-  refused("words.ply", "not a mesh at all", "not a valid mesh");
+  refused("words.ply", "not a mesh at all", "truncated or not a PLY file");
   refused("zero.off", "", "the file is empty");
   // A vertex list twice: the reader would write beyond its memory.
   refused("twice.ply",
@@ -135,8 +136,51 @@ TEST(Mesh, BadFilesAreRefusedInOneLine) {
           "");
   refused("points.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n", "holds no triangle");
   refused("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "holds no triangle with an area");
-  refused("nan.obj", "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n", "vertex 1 is not finite");
-  refused("far.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1 0\nf 1 2 3\n", "vertex");
+  refused("nan.obj", "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n",
+          "facet 1 of the file has a vertex at (1, 0, nan) m, not finite");
+  refused("far.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1 0\nf 1 2 3\n", "vertex at (1e+30, 0, 0) m");
+  refused("unused.off", "OFF\n4 1 0\n0 0 0\n3 0 0\n3 3 0\nnan 0 0\n3 0 1 2\n",
+          "no facet, but the file, has a vertex at (nan, 0, 0) m");
+  const std::string off = kOff, stl = binary_stl(), ply = binary_ply(false);
+  refused("short.off", off.substr(0, off.size() - 8), "truncated or not an OFF file");
+  refused("huge.off", "OFF\n4000000000 2 0\n" + off.substr(10), "truncated or not an OFF file");
+  refused("short.stl", stl.substr(0, stl.size() - 20), "holds no triangle, or is truncated");
+  refused("cut.stl", std::string(80, 'x') + stl.substr(80, 100), "truncated or not an STL file");
+  refused("short.ply", ply.substr(0, ply.size() - 20), "truncated or not a PLY file");
+  const std::string huge =
+      std::string(kPly).replace(std::string(kPly).find("vertex 4"), 8, "vertex 4000000000");
+  refused("huge.ply", huge, "truncated or not a PLY file");
+  const std::string folder_name = (folder / "folder.obj").string(), pipe = (folder / "pipe.obj").string();
+  std::filesystem::create_directory(folder_name);
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(error_of(folder_name), folder_name + ": expected a mesh file, found a directory");
+  EXPECT_EQ(error_of(pipe), pipe + ": expected a mesh file, found a pipe");
+  EXPECT_EQ(error_of("/dev/null"), "/dev/null: expected a mesh file, found a device");
+}
+
+TEST(Mesh, FarFromItsOriginItLosesDigits) {
+  const Folder folder;
+  const auto told = [&](double far, double unit) -> std::string {
+    std::string text;
+    for (const auto& [x, y] : {std::pair{0, 0}, {3, 0}, {3, 4}})
+      text += fmt::format("v {} {} 0\n", x - far, static_cast<double>(y));
+    Welding welding;
+    try {
+      load_mesh(folder.write("far.obj", text + "f 1 2 3\n"), unit, &welding);
+    } catch (const InputError& error) {
+      return std::string("refused: ") + error.what();
+    }
+    return welding.far_off;
+  };
+  EXPECT_EQ(told(80.0, 1.0), "");
+  EXPECT_EQ(told(1000.0, 2.0),
+            "lies up to 2e+03 m from its origin at an extent of 10 m, so that of single precision, in which "
+            "meshes are read, 4 digits are left: move it to its centre");
+  EXPECT_NE(told(80000.0, 1.0).find("3 digits are left"), std::string::npos);
+  const std::string lost = told(1e7, 1.0);
+  EXPECT_TRUE(lost.starts_with("refused: ")) << lost;
+  EXPECT_NE(lost.find("far.obj: lies up to 1e+07 m from its origin"), std::string::npos) << lost;
+  EXPECT_NE(told(1e12, 1.0).find("0 digits are left"), std::string::npos) << told(1e12, 1.0);
 }
 
 }  // namespace

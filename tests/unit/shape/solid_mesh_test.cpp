@@ -1,6 +1,7 @@
 // Which meshes bound a solid, and the mass properties of those that do.
 #include "shape/solid_mesh.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -11,6 +12,7 @@
 #include "core/random.h"
 #include "folder.h"
 #include "models.h"
+#include "shape/self_crossing.h"
 
 namespace cairn {
 namespace {
@@ -194,6 +196,16 @@ TEST(SolidMesh, CavitiesCountNegative) {
     EXPECT_EQ(solid.cavities, 1u);
     EXPECT_NEAR(mass_of(solid.surface).volume, 0.875, 1e-14);
   }
+  const SolidMesh outwards = make_solid(joined(block, hole));
+  ASSERT_EQ(outwards.repairs.size(), 1u);
+  EXPECT_TRUE(
+      outwards.repairs[0].starts_with("took shells inside another as cavities: turned 12 facets that faced "
+                                      "out of them, the first is facet 13"))
+      << outwards.repairs[0];
+  const SolidMesh inwards = make_solid(joined(inverted(block), inverted(hole)));
+  ASSERT_EQ(inwards.repairs.size(), 1u);
+  EXPECT_TRUE(inwards.repairs[0].starts_with("turned 12 facets that faced inwards, the first is facet 1 "))
+      << inwards.repairs[0];
   const TriangleMesh core = moved(models::cube(), Quat::Identity(), Vec3::Zero(), 0.2);
   expect_complaint(joined(joined(block, hole), core), "separate parts");
 }
@@ -269,6 +281,99 @@ TEST(SolidMesh, CrossingsAreFound) {
   EXPECT_EQ(complaint(ball), "none");
 }
 
+// Two cones of n facets each, base to base.
+TriangleMesh lens(std::uint32_t n) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 1}, {0, 0, -1}};
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const double a = 2.0 * kPi * k / n;
+    mesh.vertices.push_back({10 * std::cos(a), 10 * std::sin(a), 0});
+    const std::uint32_t next = 2 + (k + 1) % n;
+    mesh.triangles.push_back({0, k + 2, next});
+    mesh.triangles.push_back({1, next, k + 2});
+  }
+  return mesh;
+}
+
+// A disk of height 1 whose faces are fans about one vertex of their rims, which has number 0 or 1.
+TriangleMesh disk(std::uint32_t n) {
+  TriangleMesh mesh;
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const double a = 2.0 * kPi * k / n;
+    for (const double z : {0.0, 1.0}) mesh.vertices.push_back({10 * std::cos(a), 10 * std::sin(a), z});
+    const std::uint32_t low = 2 * k, next = 2 * ((k + 1) % n);
+    mesh.triangles.push_back({low, next, next + 1});
+    mesh.triangles.push_back({low, next + 1, low + 1});
+    if (k == 0 || next == 0) continue;
+    mesh.triangles.push_back({0, next, low});
+    mesh.triangles.push_back({1, low + 1, next + 1});
+  }
+  return mesh;
+}
+
+TEST(SolidMesh, CrossingsAreFoundWhereManyFacetsMeet) {
+  EXPECT_EQ(complaint(lens(1000)), "none");
+  TriangleMesh one_in = lens(1000);  // a vertex of the rim moved through the fans
+  one_in.vertices[102] = Vec3(-5, 1, 3);
+  expect_complaint(one_in, "crosses itself: facet ");
+  // The tip of one cone through the other.
+  TriangleMesh tip = lens(1000);
+  tip.vertices[0] = Vec3(5, 0, -0.7);
+  expect_complaint(tip, "crosses itself: facet ");
+  // Something small through a facet of each fan.
+  for (const double z : {0.5, -0.5}) {
+    const TriangleMesh needle = moved(models::tetrahedron(), Quat::Identity(), {5, 0.01, z}, 0.5);
+    expect_complaint(joined(lens(1000), needle), "crosses itself: facet ");
+  }
+}
+
+// The same by a look at every edge and every triangle.
+std::optional<std::pair<std::uint32_t, std::uint32_t>> crossing_of_all(const TriangleMesh& mesh) {
+  std::optional<std::pair<std::uint32_t, std::uint32_t>> first;
+  const auto volume = [](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+    return (b - a).dot((c - a).cross(d - a));
+  };
+  const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
+  for (std::uint32_t s = 0; s < count; ++s)
+    for (std::uint32_t t = 0; t < count; ++t)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t from = mesh.triangles[s][k], to = mesh.triangles[s][(k + 1) % 3];
+        const auto& [a, b, c] = mesh.triangles[t];
+        if (from == a || from == b || from == c || to == a || to == b || to == c) continue;
+        const Vec3 &p = mesh.vertices[from], &q = mesh.vertices[to], &x = mesh.vertices[a],
+                   &y = mesh.vertices[b], &z = mesh.vertices[c];
+        const double xy = volume(p, q, x, y), yz = volume(p, q, y, z), zx = volume(p, q, z, x);
+        const bool passes = (xy > 0.0) == (yz > 0.0) && (yz > 0.0) == (zx > 0.0);
+        const double area = (y - x).cross(z - x).norm();
+        const double above = volume(x, y, z, p) / area, below = volume(x, y, z, q) / area;
+        if (passes && std::min(above, below) < -1e-7 && std::max(above, below) > 1e-7)
+          first =
+              std::min(first.value_or(std::pair{count, count}), std::pair(std::min(s, t), std::max(s, t)));
+      }
+  return first;
+}
+
+TEST(SolidMesh, CrossingsAreThoseOfEveryEdgeAndTriangle) {
+  Random random(11, 0);
+  int crossings = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    SCOPED_TRACE(trial);
+    SolidMesh solid = make_solid(trial % 2 == 0 ? lens(150) : disk(150));
+    const auto vertex = static_cast<std::size_t>(random.uniform(0.0, 150.0));
+    solid.surface.vertices[trial % 5 == 0 ? vertex % 2 : vertex] +=
+        random.uniform(0.0, 3.0) * random.direction();
+    const auto expected = crossing_of_all(solid.surface);
+    EXPECT_EQ(find_crossing(solid.surface, solid.neighbours), expected);
+    crossings += expected.has_value();
+  }
+  EXPECT_GT(crossings, 10);
+  EXPECT_LT(crossings, 40);
+}
+
+TEST(SolidMesh, ManyFacetsAroundAVertexAreNoQuestionOfTime) {
+  EXPECT_EQ(make_solid(lens(200'000)).surface.triangles.size(), 400'000u);  // each with each: hours
+}
+
 TEST(SolidMesh, FilesTellWhatWasRepaired) {
   const Folder folder;
   const std::string path = (folder / "rock.obj").string();
@@ -298,7 +403,19 @@ TEST(SolidMesh, FilesTellWhatWasRepaired) {
     load_solid(path, 1.0);
     ADD_FAILURE();
   } catch (const InputError& error) {
-    EXPECT_TRUE(std::string(error.what()).starts_with(path + ": not closed: an edge of facet 4 at"))
+    EXPECT_TRUE(
+        std::string(error.what()).starts_with(path + ": not closed: an edge of facet 4 of the file at"))
+        << error.what();
+  }
+  // Those of polygons are numbered once they are cut.
+  std::string text;
+  for (const Vec3& x : open.vertices) text += fmt::format("v {} {} {}\n", x.x(), x.y(), x.z());
+  try {
+    load_solid(folder.write("quad.obj", text + "f 1 2 4 3\n"), 1.0);
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("an edge of facet 1 of the file cut into triangles at"),
+              std::string::npos)
         << error.what();
   }
 }
