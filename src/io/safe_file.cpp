@@ -135,7 +135,8 @@ FileDescriptor claim(const fs::path& path, bool overwrite) {
   if (!fs::is_directory(folder_of(path)))
     throw InputError("{}: there is no folder {}", path.string(), folder_of(path).string());
   FileDescriptor old = try_open_locked(path);
-  if (old && !overwrite) throw InputError("{}: exists already", path.string());
+  if (old && !overwrite)
+    throw InputError("{}: exists already; choose another file with -o, or --force", path.string());
   const FileDescriptor probe = create_temporary(path);
   unlink(temporary_name(path).c_str());
   return old;

@@ -233,7 +233,10 @@ class Checks {
     if (stage.carve) check_region(stage.carve->region, key + ".carve.region");
     if (!stage.assign) return;
     check_region(stage.assign->region, key + ".assign.region");
-    check_one_of(key + ".assign", {"density", "density_factor"}, stage.assign->material.empty());
+    check_one_of(key + ".assign", {"density", "density_factor"}, false);
+    if (!stage.assign->density && !stage.assign->density_factor && stage.assign->material.empty())
+      throw error(key + ".assign", "expected one of the keys {}",
+                  alternatives({"density", "density_factor", "material"}));
     if (!stage.assign->material.empty()) check_reference(stage.assign->material, key + ".assign.material");
   }
 
@@ -251,9 +254,10 @@ class Checks {
         throw error(key + ".name", "expected a name of its own, found '{}' for a second time", stage.name);
       check_operation(stage, key);
       check_quiet(names.size() - 1, key);
-      carved = carved || (stage.carve && !stage.carve->outside) || (stage.scale && stage.scale->volume);
+      if (stage.carve) carved = !stage.carve->outside;
+      carved = carved || (stage.scale && stage.scale->volume);
       if (stage.scale && !stage.scale->volume && !carved)
-        throw error(key + ".scale", "no region has been carved; expected a volume");
+        throw error(key + ".scale", "no region has been carved whose volume is known; expected 'volume'");
       if (!stage.material.empty()) check_reference(stage.material, key + ".material");
       if (stage.spin) check_path(stage.spin->path, key + ".spin.path");
       check_strain(stage, key);

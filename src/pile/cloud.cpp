@@ -88,17 +88,30 @@ std::vector<std::int64_t> shape_counts(const CloudSpec& cloud) {
   return counts;
 }
 
-/// The median times e^(sigma z), z normal between the limits: bisection of the distribution function.
-double draw_log_normal(const CloudSpec& cloud, double u) {
-  const auto below = [](double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); };
-  double low = std::log(cloud.size / cloud.median) / cloud.sigma,
-         high = std::log(cloud.size_max / cloud.median) / cloud.sigma;
-  const double aim = below(low) + u * (below(high) - below(low));
+/// Logarithm of the part of the normal distribution above z > 0, however far in the tail.
+double log_tail(double z) {
+  if (z < 30.0) return std::log(0.5 * std::erfc(z / std::sqrt(2.0)));
+  return -0.5 * z * z - std::log(z * std::sqrt(2.0 * kPi)) + std::log1p(-1.0 / (z * z));
+}
+
+/// Where the normal distribution cut off at low and high has the part u below it.
+double draw_normal(double low, double high, double u) {
+  if (high < 0.0) return -draw_normal(-high, -low, 1.0 - u);
+  const auto part_below = [](double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); };
+  const bool tail = low > 0.0;  // differences of `part_below` would be lost there
+  const double aim = tail ? log_tail(low) + std::log1p(u * std::expm1(log_tail(high) - log_tail(low)))
+                          : part_below(low) + u * (part_below(high) - part_below(low));
   for (int k = 0; k < 60; ++k) {
     const double z = 0.5 * (low + high);
-    (below(z) < aim ? low : high) = z;
+    ((tail ? log_tail(z) > aim : part_below(z) < aim) ? low : high) = z;
   }
-  return std::clamp(cloud.median * std::exp(cloud.sigma * 0.5 * (low + high)), cloud.size, cloud.size_max);
+  return 0.5 * (low + high);
+}
+
+double draw_log_normal(const CloudSpec& cloud, double u) {
+  const double z = draw_normal(std::log(cloud.size / cloud.median) / cloud.sigma,
+                               std::log(cloud.size_max / cloud.median) / cloud.sigma, u);
+  return std::clamp(cloud.median * std::exp(cloud.sigma * z), cloud.size, cloud.size_max);
 }
 
 }  // namespace
@@ -156,8 +169,8 @@ void add_cloud(const CloudSpec& cloud, const std::vector<RigidShape>& shapes,
            ++t < tries);
     if (t == tries)
       throw InputError(
-          "cloud of {} bodies: no room after {} tries for a body of size {:g} m; lower 'filling' ({:g})",
-          cloud.count, tries, g.size, cloud.filling);
+          "cloud of {} bodies: no room after {} tries for a body of size {:g} m; lower 'filling' ({:g}){}",
+          cloud.count, tries, g.size, cloud.filling, hole > 0.0 ? " or 'hole'" : "");
     occupied.insert(g.position, g.radius);
   }
 

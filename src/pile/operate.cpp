@@ -65,8 +65,9 @@ std::string carve(const CarveSpec& spec, const Region& region, State& state,
   std::vector<WallContact>& touching = state.walls.contacts;
   std::erase_if(touching, [&](const WallContact& c) { return number[c.sphere] == kGone; });
   for (WallContact& c : touching) c.sphere = number[c.sphere];
-  if (!spec.outside) state.region_volume = region.volume();
-  return fmt::format("{} of {} bodies stay, in {:.5g} m^3", left, before, region.volume());
+  state.region_volume = spec.outside ? 0.0 : region.volume();  // of what is left outside it is not known
+  return fmt::format("{} of {} bodies stay, {} {:.5g} m^3", left, before, spec.outside ? "outside" : "in",
+                     region.volume());
 }
 
 /// Multiplies the mass of body b, at unchanged motion.
@@ -97,7 +98,7 @@ void multiply_lengths(Bodies& bodies, double factor, std::vector<ContactRecord>&
 
 std::string scale(const ScaleSpec& spec, State& state, std::vector<ContactRecord>& contacts) {
   const double volume = spec.volume.value_or(state.region_volume);
-  if (!(volume > 0.0)) throw InputError("no region has been carved; expected a volume");
+  if (!(volume > 0.0)) throw InputError("no region has been carved whose volume is known; expected 'volume'");
   Bodies& bodies = state.bodies;
   const double mass = budget(bodies).mass, bulk = mass / volume, ratio = spec.density / bulk;
   state.region_volume = volume;

@@ -179,7 +179,7 @@ TEST(Build, SaysWhatIsWrongWithAStage) {
   };
   refuse("[[stage]]\nname = 'a'\n", {"bad.toml:5:1: key 'stage[0].duration': missing key"});
   refuse("[[stage]]\nname = 'a'\nscale = { density = 1 }\n",
-         {"no region has been carved; expected a volume"});
+         {"no region has been carved whose volume is known; expected 'volume'"});
   refuse("[[stage]]\nname = 'a'\ncarve = { region = { kind = 'mesh', file = 'no.obj' } }\n", {"no.obj"});
   refuse("[[stage]]\nname = 'a'\nduration = 1\n[[wall]]\nkind = 'plane'\nstages = ['b']\n",
          {"key 'wall[0].stages': no [[stage]] is called 'b'; expected some of 'a'"});

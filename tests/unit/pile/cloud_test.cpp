@@ -137,6 +137,36 @@ TEST(Cloud, SizesFollowTheLogNormalDistributionBetweenTheLimits) {
     EXPECT_NEAR((below(draw_size(cloud, u)) - below(1.0)) / (below(4.0) - below(1.0)), u, 1e-12);
 }
 
+// Limits far in a tail, where differences of the distribution function vanish; by the trapezium rule.
+TEST(Cloud, SizesInATailOfTheLogNormalDistributionFollowIt) {
+  CloudSpec cloud = mixture();
+  cloud.distribution = SizeDistribution::log_normal;
+  cloud.size = 10.0;
+  cloud.size_max = 50.0;
+  for (const auto& [median, sigma] :
+       std::vector<std::pair<double, double>>{{3000, 0.1}, {1e6, 0.01}, {100, 0.05}, {1, 0.1}, {1, 0.003}}) {
+    cloud.median = median;
+    cloud.sigma = sigma;
+    const double low = std::log(10.0 / median) / sigma, high = std::log(50.0 / median) / sigma,
+                 nearest = low > 0.0 ? low : high;
+    const auto part = [&](double from, double to) {  // of the density over that at the nearest limit
+      constexpr int steps = 200000;
+      double sum = 0.0;
+      for (int k = 0; k <= steps; ++k) {
+        const double z = from + (to - from) * k / steps;
+        sum += (k % steps == 0 ? 0.5 : 1.0) * std::exp(0.5 * (nearest - z) * (nearest + z));
+      }
+      return sum * (to - from) / steps;
+    };
+    const double width = std::min(high - low, 30.0 / std::abs(nearest));  // the rest is nothing
+    const double first = low > 0.0 ? low : high - width, last = low > 0.0 ? low + width : high;
+    for (const double u : {0.01, 0.3, 0.5, 0.9, 0.999}) {
+      const double z = std::log(draw_size(cloud, u) / median) / sigma;
+      EXPECT_NEAR(part(first, z) / part(first, last), u, 1e-6) << median << ' ' << sigma;
+    }
+  }
+}
+
 TEST(Cloud, OfAHundredfoldRangeOfSizesHasNoOverlap) {
   CloudSpec cloud = mixture();
   cloud.shapes = {{"sphere", 1.0}};

@@ -151,7 +151,8 @@ TEST(Operate, SaysWhatCannotBeDone) {
     return "none";
   };
   EXPECT_EQ(error("scale = { density = 500 }\n"),
-            "do.toml:20:9: key 'stage[0].scale': no region has been carved; expected a volume");
+            "do.toml:20:9: key 'stage[0].scale': no region has been carved whose volume is known; expected "
+            "'volume'");
   EXPECT_EQ(error("carve = { region = { kind = 'ball', radius = 0.1, position = [1e3, 0, 0] } }\n"),
             "do.toml:20:9: key 'stage[0].carve': no body is left");
   EXPECT_EQ(error("assign = { region = { kind = 'ball', radius = 1e6 }, outside = true, density = 1 }\n"),
