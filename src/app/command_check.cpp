@@ -97,7 +97,7 @@ void check(const Options& options) {
         physics.steps, scene.stages[k].duration);
     if (first)
       for (const std::string& w : warnings(physics, bodies, walls)) fmt::print("  warning    {}\n", w);
-    if (held > 0.0 && k_n > 2.0 * held)
+    if (held > 0.0 && k_n > 2.0 * held && physics.gravity != GravityMethod::none)
       fmt::print(
           "  warning    contacts become {:.3g} times stiffer than they are and push the pile apart at "
           "first\n",
