@@ -21,7 +21,7 @@ awk '/^Molecules/ { exit } { sub(/ # sphere/, ""); print }' "$folder/spheres.dat
 cairn() { # cores, packings, sets of features
   OMP_NUM_THREADS=$1 "$programs/bench_step" "$folder" --benchmark_filter="^($2)/($3)/" --benchmark_min_time=2 \
     2>/dev/null |
-    sed -nE "s|^([a-z_0-9]+)/([a-z]+)/.* M/s=([0-9.]+).* contacts=([0-9.]+).*|\1 \2 $1 cairn \3 \4|p"
+    sed -nE "s|^([a-z_0-9]+)/([a-z]+)/.* M/s_mean=([0-9.]+).* contacts=([0-9.]+).*|\1 \2 $1 cairn \3 \4|p"
 }
 peer() { # packing, physics, cores, code, command
   OMP_NUM_THREADS=1 mpirun --allow-run-as-root -np "$3" "${@:5}" -log none 2>/dev/null |
