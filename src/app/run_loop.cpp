@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <csignal>
 #include <optional>
@@ -19,26 +20,28 @@ namespace {
 std::atomic<int> g_signal{0};
 static_assert(std::atomic<int>::is_always_lock_free);
 
-/// Takes SIGINT and SIGTERM for as long as it lives; a second signal ends the program at once.
+/// Takes the signals that ask a program to end for as long as it lives; a second one ends it at once. A
+/// hang-up that is ignored (nohup) stays so.
 class SignalGuard {
  public:
   SignalGuard() {
     struct sigaction action {};
     action.sa_handler = [](int number) { g_signal = number; };
     action.sa_flags = SA_RESETHAND;
-    sigaction(SIGINT, &action, &interrupt_);
-    sigaction(SIGTERM, &action, &terminate_);
+    for (std::size_t k = 0; k < kSignals.size(); ++k) {
+      sigaction(kSignals[k], &action, &former_[k]);
+      if (kSignals[k] == SIGHUP && former_[k].sa_handler == SIG_IGN) sigaction(SIGHUP, &former_[k], nullptr);
+    }
   }
   ~SignalGuard() {
-    sigaction(SIGINT, &interrupt_, nullptr);
-    sigaction(SIGTERM, &terminate_, nullptr);
+    for (std::size_t k = 0; k < kSignals.size(); ++k) sigaction(kSignals[k], &former_[k], nullptr);
   }
   SignalGuard(const SignalGuard&) = delete;
   SignalGuard& operator=(const SignalGuard&) = delete;
 
  private:
-  struct sigaction interrupt_ {
-  }, terminate_{};
+  static constexpr std::array<int, 3> kSignals{SIGINT, SIGTERM, SIGHUP};
+  std::array<struct sigaction, 3> former_{};
 };
 
 std::string clock_text(double seconds) {

@@ -1,4 +1,4 @@
-// Runs a simulation with a progress bar, stops it on SIGINT and SIGTERM, prints the summary at the end.
+// Runs a simulation with a progress bar, stops it on SIGINT, SIGTERM and SIGHUP, prints the summary at the end.
 #pragma once
 
 #include "sim/run.h"
@@ -9,7 +9,7 @@ namespace cairn {
 struct Interrupted {};
 
 /// Runs to the end, and closes the run.
-/// @throws Interrupted after SIGINT or SIGTERM, when the checkpoint is on disk.
+/// @throws Interrupted after such a signal, when the checkpoint is on disk.
 void run_to_end(Run run);
 
 }  // namespace cairn

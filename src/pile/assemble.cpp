@@ -47,17 +47,32 @@ std::uint16_t material_index(const Scene& scene, const std::string& name) {
   return static_cast<std::uint16_t>(it - scene.materials.begin());
 }
 
+/// Does work of which an error is told with the place of this key in the scene.
+template <class Work>
+auto at_key(const Scene& scene, const std::string& key, const Work& work) {
+  try {
+    return work();
+  } catch (const InputError& error) {
+    throw scene.sources.error(key, error.what());
+  }
+}
+
 /// Radius (m) of the smallest sphere the scene will have.
 double smallest_radius(const Scene& scene, const Bodies& pile, Shapes& shapes) {
   double smallest = std::numeric_limits<double>::infinity();
-  const auto consider = [&](const std::string& shape, double size) {
-    const std::vector<double>& radii = shapes.all()[shapes.index(shape)].radii;
+  const auto consider = [&](const std::string& key, const std::string& shape, double size) {
+    const std::uint32_t index = at_key(scene, key + ".shape", [&] { return shapes.index(shape); });
+    const std::vector<double>& radii = shapes.all()[index].radii;
     smallest = std::min(smallest, size * *std::min_element(radii.begin(), radii.end()));
   };
-  for (const CloudSpec& cloud : scene.clouds)
-    for (const ShapeChoice& choice : cloud.shapes) consider(choice.shape, cloud.size);
-  for (const LatticeSpec& lattice : scene.lattices) consider(lattice.shape, lattice.size);
-  for (const BodySpec& body : scene.bodies) consider(body.shape, body.size);
+  for (std::size_t k = 0; k < scene.clouds.size(); ++k)
+    for (std::size_t c = 0; c < scene.clouds[k].shapes.size(); ++c)
+      consider(fmt::format("cloud[{}].shape[{}]", k, c), scene.clouds[k].shapes[c].shape,
+               scene.clouds[k].size);
+  for (std::size_t k = 0; k < scene.lattices.size(); ++k)
+    consider(fmt::format("lattice[{}]", k), scene.lattices[k].shape, scene.lattices[k].size);
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k)
+    consider(fmt::format("body[{}]", k), scene.bodies[k].shape, scene.bodies[k].size);
   for (const double radius : pile.spheres.radius) smallest = std::min(smallest, radius);
   return smallest;
 }
@@ -83,7 +98,7 @@ Setup take_pile(const Scene& scene) {
 Setup assemble(const Scene& scene) {
   check_operations(scene);
   Setup setup;
-  if (!scene.pile.empty()) setup = take_pile(scene);
+  if (!scene.pile.empty()) setup = at_key(scene, "pile", [&] { return take_pile(scene); });
   setup.frame = scene.frame;
   if (scene.box && scene.box->size != Vec3::Zero()) setup.box.edge = scene.box->size;
   Shapes shapes(scene, std::move(setup.shapes));
@@ -92,21 +107,20 @@ Setup assemble(const Scene& scene) {
   set_cell_edge(setup.bodies, free ? cell_edge(smallest_radius(scene, setup.bodies, shapes)) : 0.0);
   for (std::size_t k = 0; k < scene.lattices.size(); ++k) {
     const LatticeSpec& lattice = scene.lattices[k];
-    const std::string key = fmt::format("lattice[{}]", k);
-    try {
+    at_key(scene, fmt::format("lattice[{}]", k), [&] {
       const std::uint32_t index = shapes.index(lattice.shape);
       add_lattice(lattice, Region(lattice.region, scene.directory), shapes.all()[index], index,
                   material_index(scene, lattice.material), scene.seed, kLatticeStreams + k, setup.bodies);
-    } catch (const InputError& error) {
-      throw scene.sources.error(key, error.what());
-    }
+    });
   }
-  std::uint64_t stream = 0;
-  for (const CloudSpec& cloud : scene.clouds) {
+  for (std::size_t k = 0; k < scene.clouds.size(); ++k) {
+    const CloudSpec& cloud = scene.clouds[k];
     std::vector<std::uint32_t> index;
     for (const ShapeChoice& choice : cloud.shapes) index.push_back(shapes.index(choice.shape));
-    add_cloud(cloud, shapes.all(), index, material_index(scene, cloud.material), scene.seed, stream++,
-              setup.bodies);
+    at_key(scene, fmt::format("cloud[{}]", k), [&] {
+      add_cloud(cloud, shapes.all(), index, material_index(scene, cloud.material), scene.seed, k,
+                setup.bodies);
+    });
   }
   for (const BodySpec& body : scene.bodies) {
     const std::uint32_t index = shapes.index(body.shape);
