@@ -1,4 +1,5 @@
-// Runs a simulation with a progress bar, stops it on SIGINT, SIGTERM and SIGHUP, prints the summary at the end.
+// Runs a simulation with a progress bar, stops it on SIGINT, SIGTERM and SIGHUP, prints the summary at the
+// end.
 #pragma once
 
 #include "sim/run.h"

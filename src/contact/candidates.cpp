@@ -13,8 +13,9 @@ namespace {
 
 constexpr std::uint64_t kLongLife = 1000;  // steps
 constexpr std::uint64_t kGoodLife = 240, kShortLife = 30;
-constexpr double kLeastSkin = 0.02;  // smallest radii
-constexpr double kFew = 0.03;        // so many of all spheres may have skins of their own
+constexpr double kLeastSkin = 0.02;       // smallest radii
+constexpr double kFew = 0.03;             // so many of all spheres may have skins of their own
+constexpr double kRounding = 1.0 - 1e-6;  // less than 1 by more than single precision errs
 constexpr float kNotZero = std::numeric_limits<float>::min();  // more than no margin at all
 
 /// The shortest edge of a periodic box (m); infinite in an open one.
@@ -57,7 +58,7 @@ bool Candidates::expired(const Bodies& bodies, double time, ContactList& contact
   }
   const auto square_of_limit = [&](double half_skin) {
     const double limit = std::max(least * half_skin - (1.0 - least) * largest_, 0.0);
-    return static_cast<float>(limit * limit);
+    return static_cast<float>(kRounding * limit * limit);
   };
   const float limit2 = square_of_limit(0.5 * skin_);
   const bool one_cell = bodies.cell.empty();

@@ -73,7 +73,7 @@ TEST_F(Resume, AFinishedRunIsRefusedAndUntouched) {
 }
 
 TEST_F(Resume, AfterInterruptsAndTerminationsAtRandomMoments) {
-  EXPECT_GE(run_in_pieces("stopped.h5", {SIGINT, SIGTERM}, 0.1, 0.3, 8), 2);
+  EXPECT_GE(run_in_pieces("stopped.h5", {SIGINT, SIGTERM, SIGHUP}, 0.1, 0.3, 8), 2);
   EXPECT_TRUE(same_bits(whole_, contents(folder_ / "stopped.h5")));
 }
 

@@ -209,7 +209,8 @@ TEST(SceneErrors, LatticesRegionsAndOperations) {
        {lattice + "kind = 'ball'\nradius = 1\norientation = [0, 0, 0, 0]",
         "s.toml:13:15: key 'lattice[0].region.orientation': expected a vector other than zero"},
        {"[[stage]]\nname = 'x'\n[stage.assign]\nregion = { kind = 'ball', radius = 1 }",
-        "s.toml:9:1: key 'stage[1].assign': expected one of the keys 'density', 'density_factor' or 'material'"},
+        "s.toml:9:1: key 'stage[1].assign': expected one of the keys 'density', 'density_factor' or "
+        "'material'"},
        {"[[stage]]\nname = 'x'\nduration = 1\nquiet_speed = 0",
         "s.toml:10:15: key 'stage[1].quiet_speed': expected 0 < x <= 1e6 in m/s, found 0"}});
 }
