@@ -104,6 +104,7 @@ class Checks {
     belongs(key + ".size", !ball, "'ellipsoid', 'box' or 'mesh'");
     belongs(key + ".file", mesh, "'mesh'");
     belongs(key + ".unit", mesh, "'mesh'");
+    belongs(key + ".frame", mesh, "'mesh'");
     if (ball) require(key + ".radius", "the kind is 'ball'");
     if (mesh) require(key + ".file", "the kind is 'mesh'");
     if (!ball && !mesh) require(key + ".size", "the kind is 'ellipsoid' or 'box'");

@@ -27,6 +27,7 @@ enum class WallKind { plane, sphere, cylinder, mesh };
 enum class WallSide { inside, outside };
 enum class LatticeKind { hcp, fcc, sc };
 enum class RegionKind { ball, ellipsoid, box, mesh };
+enum class MeshFrame { file, centroid, principal };
 enum class ScaleBy { mass, size };
 
 /// One shape of a mixture.
@@ -61,6 +62,7 @@ struct RegionSpec {
   Vec3 size = Vec3::Zero();      ///< m, full extents of an ellipsoid or box; of a mesh: scaled to these
   std::string file;              ///< of a mesh
   double unit = 1.0;             ///< m, of the lengths in the file
+  MeshFrame frame = MeshFrame::file;
   Vec3 position = Vec3::Zero();  ///< m, of the centre, or of a mesh's origin
   Quat orientation = Quat::Identity();  ///< w, x, y, z: frame of the region -> space
 };

@@ -74,6 +74,11 @@ const Keys<RegionSpec> kRegionKeys = {
     text("file", &RegionSpec::file, kPath,
          "mesh, which requires it: path of an OBJ, STL, PLY or OFF file, a closed surface"),
     number("unit", &RegionSpec::unit, "m", within(1e-9, 1e9), "mesh only: unit of the lengths in the file"),
+    choice(
+        "frame", &RegionSpec::frame,
+        {{"file", MeshFrame::file}, {"centroid", MeshFrame::centroid}, {"principal", MeshFrame::principal}},
+        "mesh only: as in the file; with its centroid at the origin; and turned, z the axis of the greatest "
+        "moment of inertia, x of the least"),
     vector("position", &RegionSpec::position, "m", kPosition, "of the centre, or of a mesh's origin"),
     quaternion("orientation", &RegionSpec::orientation, magnitude(1e6),
                "w, x, y, z: rotation about that place; any length but zero"),

@@ -50,6 +50,13 @@ Region::Region(const RegionSpec& spec, const std::filesystem::path& directory) :
       break;
   }
   SolidMesh solid = load_solid(directory / spec.file, spec.unit);
+  if (spec.frame != MeshFrame::file) {
+    const MassProperties mass = mass_of(solid.surface);
+    if (spec.frame == MeshFrame::principal)
+      solid.surface = in_principal_frame(solid.surface, mass);
+    else
+      for (Vec3& v : solid.surface.vertices) v -= mass.centroid;
+  }
   std::vector<Vec3>& vertices = solid.surface.vertices;
   if (spec.size != Vec3::Zero()) {
     Vec3 low = vertices.front(), high = low;

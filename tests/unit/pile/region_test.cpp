@@ -76,6 +76,36 @@ TEST(Region, MeshStretchedToABoxIsThatBox) {
   }
 }
 
+// A box of 4 x 6 x 8 m somewhere in its file, turned.
+TEST(Region, MeshIsMovedToItsCentroidAndTurnedToItsPrincipalAxes) {
+  const Folder folder;
+  const Quat turn = Quat(1.0, 0.5, -0.3, 0.8).normalized();
+  const Vec3 place(30.0, -20.0, 10.0);
+  std::string obj;
+  for (const Vec3& corner : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0), Vec3(0, 0, 1),
+                             Vec3(1, 0, 1), Vec3(1, 1, 1), Vec3(0, 1, 1)}) {
+    const Vec3 v = place + turn * corner.cwiseProduct(Vec3(6.0, 8.0, 4.0));
+    obj += fmt::format("v {:.9g} {:.9g} {:.9g}\n", v.x(), v.y(), v.z());
+  }
+  folder.write("box.obj", obj + std::string(kCube).substr(std::string(kCube).find("f ")));
+  RegionSpec mesh = spec_of(RegionKind::mesh), box = spec_of(RegionKind::box);
+  mesh.file = "box.obj";
+  mesh.position = box.position = {1.0, 2.0, 3.0};
+  mesh.frame = MeshFrame::principal;
+  box.size = {8.0, 6.0, 4.0};  // the longest along x, the shortest along z
+  const Region principal(mesh, folder.path()), expected(box, ".");
+  mesh.frame = MeshFrame::centroid;
+  box.size = {6.0, 8.0, 4.0};
+  box.orientation = turn;
+  const Region centred(mesh, folder.path()), turned(box, ".");
+  Random random(4, 0);
+  for (int k = 0; k < 500; ++k) {
+    const Vec3 x = box.position + 8.0 * random.in_ball();
+    EXPECT_NEAR(principal.distance(x), expected.distance(x), 1e-5);  // single precision of the file
+    EXPECT_NEAR(centred.distance(x), turned.distance(x), 1e-5);
+  }
+}
+
 TEST(Region, BallHasItsVolumeAndDistance) {
   RegionSpec spec;
   spec.radius = 2.0;
