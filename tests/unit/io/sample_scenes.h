@@ -214,7 +214,7 @@ orientation = [1, 0, 0, 0.5]
 [[lattice]]
 size = 2
 density = 2500
-region = { kind = "mesh", file = "top.obj", unit = 1000, size = [797, 783, 761], position = [1, 2, 3], orientation = [1, 0, 0, 0.5] }
+region = { kind = "mesh", file = "top.obj", unit = 1000, frame = "principal", size = [797, 783, 761], position = [1, 2, 3], orientation = [1, 0, 0, 0.5] }
 [[cloud]]
 count = 100
 distribution = "log_normal"
@@ -257,10 +257,10 @@ name = "ball"
 carve = { region = { kind = "ball", radius = 50 } }
 [[stage]]
 name = "turned"
-carve = { region = { kind = "mesh", file = "top.obj", unit = 1000, size = [797, 783, 761], position = [1, 2, 3], orientation = [1, 0, 0, 0.5] } }
+carve = { region = { kind = "mesh", file = "top.obj", unit = 1000, frame = "principal", size = [797, 783, 761], position = [1, 2, 3], orientation = [1, 0, 0, 0.5] } }
 [[stage]]
 name = "turned core"
-assign = { region = { kind = "mesh", file = "top.obj", unit = 1000, size = [797, 783, 761], position = [1, 2, 3], orientation = [1, 0, 0, 0.5] }, density = 1 }
+assign = { region = { kind = "mesh", file = "top.obj", unit = 1000, frame = "principal", size = [797, 783, 761], position = [1, 2, 3], orientation = [1, 0, 0, 0.5] }, density = 1 }
 [[stage]]
 name = "core"
 [stage.assign]
