@@ -58,12 +58,12 @@ struct CloudSpec {
 /// A part of space. Keys that its kind does not have are errors.
 struct RegionSpec {
   RegionKind kind = RegionKind::ball;
-  double radius = 0.0;           ///< m, of a ball
-  Vec3 size = Vec3::Zero();      ///< m, full extents of an ellipsoid or box; of a mesh: scaled to these
-  std::string file;              ///< of a mesh
-  double unit = 1.0;             ///< m, of the lengths in the file
+  double radius = 0.0;       ///< m, of a ball
+  Vec3 size = Vec3::Zero();  ///< m, full extents of an ellipsoid or box; of a mesh: scaled to these
+  std::string file;          ///< of a mesh
+  double unit = 1.0;         ///< m, of the lengths in the file
   MeshFrame frame = MeshFrame::file;
-  Vec3 position = Vec3::Zero();  ///< m, of the centre, or of a mesh's origin
+  Vec3 position = Vec3::Zero();         ///< m, of the centre, or of a mesh's origin
   Quat orientation = Quat::Identity();  ///< w, x, y, z: frame of the region -> space
 };
 
