@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +8,12 @@
 #include "app/arguments.h"
 #include "app/commands.h"
 #include "app/render/draw.h"
+#include "app/status_line.h"
 #include "core/error.h"
-#include "core/timer.h"
 #include "shape/fit.h"
 #include "shape/library.h"
 #include "shape/principal_frame.h"
+#include "shape/shape_file.h"
 #include "shape/solid_mesh.h"
 
 namespace cairn {
@@ -43,34 +43,28 @@ void check_picture(const std::string& name) {
     throw InputError("{}: expected a name that ends in .png", name);
 }
 
-/// One line about a fit, rewritten on a terminal and printed every 30 s elsewhere.
+/// How far a fit is, while it lasts.
 class FitLine {
  public:
   FitLine() = default;
   FitLine(const FitLine&) = delete;
   FitLine& operator=(const FitLine&) = delete;
   ~FitLine() {
-    if (shown_ && terminal_) fmt::print(stderr, "\n");
+    if (shown_) line_.end();
   }
 
   void show(const FitProgress& progress) {
-    const double now = wall_seconds();
-    if (!terminal_ && now - last_line_ < 30.0) return;
-    last_line_ = now;
+    if (!line_.due()) return;
     shown_ = true;
-    const int filled = static_cast<int>(20.0 * progress.done);
     const std::string before =
         progress.last > 0 ? fmt::format("  {} came to RMS {:.3g}", progress.last, progress.rms) : "";
-    fmt::print(stderr, "{}{:>4} spheres [{}{}] {:3.0f} %{}{}", terminal_ ? "\r" : "", progress.spheres,
-               std::string(filled, '#'), std::string(20 - filled, '.'), 100.0 * progress.done, before,
-               terminal_ ? "\x1b[K" : "\n");
-    std::fflush(stderr);
+    line_.show(fmt::format("{:>4} spheres {} {:3.0f} %{}", progress.spheres, bar(progress.done),
+                           100.0 * progress.done, before));
   }
 
  private:
-  const bool terminal_ = isatty(STDERR_FILENO);
+  StatusLine line_;
   bool shown_ = false;
-  double last_line_ = wall_seconds();
 };
 
 /// A file name as the name of a shape, which is one line.
@@ -273,14 +267,13 @@ void add_shape_commands(CLI::App& app) {
   fit_command
       ->add_option("--strategy", fit->fit.strategy,
                    "best: least squares; greedy: inscribed balls, one by one")
-      ->transform(one_of<FitStrategy>({{"best", FitStrategy::best}, {"greedy", FitStrategy::greedy}}));
+      ->transform(one_of(kStrategyNames));
   fit_command
       ->add_option(
           "--mass", fit->fit.mass,
           "mass_model of the scenes: mesh or union; spheres fits the moments of their sum too, which costs "
           "accuracy of the surface")
-      ->transform(one_of<MassModel>(
-          {{"mesh", MassModel::mesh}, {"union", MassModel::union_volume}, {"spheres", MassModel::spheres}}));
+      ->transform(one_of(kMassModelNames));
   fit_command->callback([fit] { fit_shape(*fit); });
 }
 

@@ -2,13 +2,13 @@
 
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <array>
 #include <atomic>
 #include <csignal>
 #include <optional>
 
+#include "app/status_line.h"
 #include "app/summary.h"
 #include "core/parallel.h"
 #include "core/timer.h"
@@ -51,7 +51,6 @@ std::string clock_text(double seconds) {
                    : fmt::format("{:02}:{:02}", s / 60, s % 60);
 }
 
-/// One line, rewritten on a terminal and printed every 30 s elsewhere.
 class ProgressBar {
  public:
   void show(const Run& run) {
@@ -67,7 +66,8 @@ class ProgressBar {
             "stage '{}': the contacts are stiffer than those the pile settled with; what its overlaps "
             "now hold is {:.2g} of its gravitational energy and pushes it apart",
             run.scene().stages[stage_].name, run.burst());
-      mark_ = last_line_ = now;
+      mark_ = now;
+      line_.wait();
       mark_step_ = clock.step;
     }
     if (now - mark_ > 1.0) {  // rate over the last seconds
@@ -76,31 +76,24 @@ class ProgressBar {
       mark_ = now;
       mark_step_ = clock.step;
     }
-    const bool terminal = isatty(STDERR_FILENO);
-    if (!terminal && now - last_line_ < 30.0) return;
-    last_line_ = now;
+    if (!line_.due()) return;
     const double done = static_cast<double>(clock.step) / static_cast<double>(clock.steps);
-    const int filled = static_cast<int>(20.0 * done);
     const Observation& o = run.last_observation();
     std::string spin =
         o.period > 0.0 && o.period < 3.6e6 ? fmt::format("  T {:.3f} h", o.period / 3600.0) : "";
     std::string shed = o.shed_bodies > 0.0 ? fmt::format("  {} apart", o.shed_bodies) : "";
-    fmt::print(stderr, "{}{:<10} [{}{}] {:5.1f} %  {:.2f} M sphere-steps/s  left {}{}{}{}",
-               terminal ? "\r" : "", run.scene().stages[clock.stage].name, std::string(filled, '#'),
-               std::string(20 - filled, '.'), 100.0 * done,
-               1e-6 * rate_ * static_cast<double>(run.sphere_count()),
-               clock_text(rate_ > 0.0 ? static_cast<double>(clock.steps - clock.step) / rate_ : 1e9), spin,
-               shed, terminal ? "\x1b[K" : "\n");
-    std::fflush(stderr);
+    line_.show(fmt::format(
+        "{:<10} {} {:5.1f} %  {:.2f} M sphere-steps/s  left {}{}{}", run.scene().stages[clock.stage].name,
+        bar(done), 100.0 * done, 1e-6 * rate_ * static_cast<double>(run.sphere_count()),
+        clock_text(rate_ > 0.0 ? static_cast<double>(clock.steps - clock.step) / rate_ : 1e9), spin, shed));
   }
-  void newline() const {
-    if (isatty(STDERR_FILENO)) fmt::print(stderr, "\n");
-  }
+  void newline() const { line_.end(); }
 
  private:
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
   std::uint64_t stage_ = kNone, mark_step_ = 0;
-  double mark_ = 0.0, last_line_ = 0.0, rate_ = 0.0;
+  StatusLine line_;
+  double mark_ = 0.0, rate_ = 0.0;
 };
 
 }  // namespace

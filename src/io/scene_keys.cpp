@@ -1,6 +1,7 @@
 #include "io/scene_keys.h"
 
 #include "contact/box.h"
+#include "shape/shape_file.h"
 
 namespace cairn {
 namespace {
@@ -341,8 +342,7 @@ const Keys<Scene> kSceneKeys = {
     text("title", &Scene::title, within(0, 200), "one line about the scene"),
     integer("seed", &Scene::seed, "", Bounds{.low = 0}, "of every random number"),
     choice(
-        "mass_model", &Scene::mass_model,
-        {{"mesh", MassModel::mesh}, {"union", MassModel::union_volume}, {"spheres", MassModel::spheres}},
+        "mass_model", &Scene::mass_model, kMassModelNames,
         "whose mass a body has: the mesh's that its spheres stand for (union if there is none), the covered "
         "volume's, counted once, or each sphere's fully"),
     text("pile", &Scene::pile, kPath, "result file whose last snapshot supplies the bodies; absent: none"),

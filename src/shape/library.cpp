@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/suggest.h"
+#include "shape/mesh.h"
 #include "shape/shape_file.h"
 
 namespace cairn {
@@ -40,9 +41,7 @@ std::string read_text(const fs::path& path) {
 
 // Where a shape is expected, users name the mesh that they would like to be one.
 void refuse_mesh(const fs::path& path) {
-  std::string kind = path.extension().string();
-  std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (kind == ".obj" || kind == ".stl" || kind == ".ply" || kind == ".off")
+  if (!mesh_kind(path).empty())
     throw InputError(
         "{}: expected a shape file, found a mesh: `cairn shape fit` makes a shape file of it, `cairn shape "
         "check` tells about the mesh itself",

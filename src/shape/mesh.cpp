@@ -29,6 +29,8 @@ constexpr std::size_t kMostTriangles = 50'000'000;  // features of a mesh are nu
 
 constexpr char kWhole = 'w', kCut = 'c';  // polygons: last byte of a packed mesh
 
+constexpr const char* kKinds[] = {"obj", "stl", "ply", "off"};
+
 constexpr unsigned kSeconds = 60;  // of computing in a reader
 
 using Triangle = std::array<std::uint32_t, 3>;
@@ -295,9 +297,17 @@ TriangleMesh make_mesh(const std::vector<std::array<float, 3>>& vertices, std::v
   return mesh;
 }
 
+std::string mesh_kind(const std::filesystem::path& path) {
+  std::string name = path.extension().string();
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  for (const char* kind : kKinds)
+    if (name == fmt::format(".{}", kind)) return kind;
+  return {};
+}
+
 TriangleMesh parse_mesh(std::string_view bytes, const std::string& kind, const std::string& name, double unit,
                         double seconds, Welding* welding) {
-  if (kind != "obj" && kind != "stl" && kind != "ply" && kind != "off")
+  if (std::find(std::begin(kKinds), std::end(kKinds), kind) == std::end(kKinds))
     throw InputError("{}: not a mesh file that can be read; expected .obj, .stl, .ply or .off", name);
   // Broken files make assimp 5.2 write beyond its memory, hang, or ask for any amount of it.
   const std::string packed = naming(name, [&] {
@@ -320,10 +330,7 @@ TriangleMesh load_mesh(const std::filesystem::path& path, double unit, Welding* 
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
   if (!file) throw InputError("{}: cannot be read", name);
   if (bytes.empty()) throw InputError("{}: the file is empty", name);
-  std::string kind = path.extension().string();
-  if (!kind.empty()) kind.erase(0, 1);
-  std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });
-  return parse_mesh(bytes, kind, name, unit, kSeconds, welding);
+  return parse_mesh(bytes, mesh_kind(path), name, unit, kSeconds, welding);
 }
 
 void write_obj(const TriangleMesh& mesh, const std::filesystem::path& path, double unit, int digits) {

@@ -29,6 +29,9 @@ struct Welding {
 /// "facet 12 of the file", or "... of the file cut into triangles": what messages call triangle 11 of a file.
 std::string facet_of_file(std::size_t triangle, bool cut);
 
+/// "obj", "stl", "ply" or "off" by the extension of a file's name; empty: no mesh that can be read.
+std::string mesh_kind(const std::filesystem::path& path);
+
 /// Reads an OBJ, STL, PLY or OFF file whose lengths are in units of `unit` metres. Polygons are cut into
 /// triangles; vertices closer than a millionth of the mesh's extent become one; triangles without area and
 /// copies of a triangle are left out. Coordinates have single precision (assimp): `welding` tells where that

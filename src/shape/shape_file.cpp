@@ -33,11 +33,6 @@ constexpr std::pair<const char*, double FitError::*> kErrors[] = {
     {"inertia_of_spheres", &FitError::inertia_of_spheres},
 };
 
-constexpr std::pair<const char*, FitStrategy> kStrategies[] = {{"best", FitStrategy::best},
-                                                               {"greedy", FitStrategy::greedy}};
-constexpr std::pair<const char*, MassModel> kMassModels[] = {
-    {"mesh", MassModel::mesh}, {"union", MassModel::union_volume}, {"spheres", MassModel::spheres}};
-
 template <class Names, class Value>
 std::string name_of(const Names& names, Value value) {
   for (const auto& [name, of] : names)
@@ -245,7 +240,7 @@ class Reader {
   FitRecord fit(const toml::table& from) const {
     check_keys(from, {"strategy", "mass", "seed"});
     constexpr std::string_view expected = "expected an integer from 0 on";
-    FitRecord record{choice(from, "strategy", kStrategies), choice(from, "mass", kMassModels)};
+    FitRecord record{choice(from, "strategy", kStrategyNames), choice(from, "mass", kMassModelNames)};
     const toml::node& seed = required(from, "seed", expected);
     if (!seed.is_integer() || *seed.value<std::int64_t>() < 0) fail(seed, "seed", expected);
     record.seed = static_cast<std::uint64_t>(*seed.value<std::int64_t>());
@@ -319,7 +314,8 @@ std::string shape_text(const Shape& shape) {
       out += fmt::format(
           "\n[fit]  # options with which `cairn shape fit` gives these spheres again\nstrategy = "
           "\"{}\"\nmass = \"{}\"\nseed = {}\n",
-          name_of(kStrategies, mesh.fit->strategy), name_of(kMassModels, mesh.fit->mass), mesh.fit->seed);
+          name_of(kStrategyNames, mesh.fit->strategy), name_of(kMassModelNames, mesh.fit->mass),
+          mesh.fit->seed);
   }
   for (std::size_t s = 0; s < shape.radii.size(); ++s)
     out += fmt::format("\n[[sphere]]\ncenter = {}\nradius = {}\n", exact(shape.centers[s]),

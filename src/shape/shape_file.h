@@ -5,10 +5,18 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "shape/shape.h"
 
 namespace cairn {
+
+/// What files and the command line call them.
+inline const std::vector<std::pair<std::string, FitStrategy>> kStrategyNames{{"best", FitStrategy::best},
+                                                                             {"greedy", FitStrategy::greedy}};
+inline const std::vector<std::pair<std::string, MassModel>> kMassModelNames{
+    {"mesh", MassModel::mesh}, {"union", MassModel::union_volume}, {"spheres", MassModel::spheres}};
 
 /// Reads a shape from TOML text; `file` is the name that messages give it.
 /// @throws InputError "file:line:column: key 'x': what was expected".
