@@ -114,7 +114,7 @@ void Candidates::rebuild(const Bodies& bodies, const RigidMotion& motion, const 
   pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
   const bool many = spheres.size() > kManySpheres;
   if (many) search_ = {};
-  contacts.rebuild(pairs_, spheres.size(), features);
+  contacts.rebuild(pairs_, bodies, features);
   if (many) pairs_ = {};
   find_shifts(bodies, box, contacts);
   contacts.set_margins(spheres);

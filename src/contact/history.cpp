@@ -16,15 +16,16 @@ constexpr double kNoMargin = -std::numeric_limits<double>::min();  // in place o
 
 }  // namespace
 
-void ContactList::rebuild(std::vector<Pair>& pairs, std::size_t spheres, const Features& features) {
+std::size_t ContactList::block_size(std::size_t spheres) {
+  return std::size_t{1} << (std::clamp(static_cast<unsigned>(std::bit_width(spheres / 8)), 9u, 11u) - 1);
+}
+
+void ContactList::rebuild(std::vector<Pair>& pairs, const Bodies& bodies, const Features& features) {
   pairs_.swap(pairs);  // `pairs` are the former ones now
   features_ = features;
-  moved.assign(spheres, std::numeric_limits<float>::infinity());
-
-  row_.assign(spheres + 1, 0);
-  for (const Pair& p : pairs_) ++row_[p.i + 1];
-  for (std::size_t s = 0; s < spheres; ++s) row_[s + 1] += row_[s];
-  set_shares(spheres);
+  moved.assign(bodies.spheres.size(), std::numeric_limits<float>::infinity());
+  set_blocks(bodies);
+  set_shares();
 
   std::vector<std::uint32_t> from, to;  // slots of the touching pairs
   std::size_t slot = 0;
@@ -52,42 +53,72 @@ std::size_t ContactList::find_from(std::size_t slot, const Pair& pair) const {
   return slot;
 }
 
-void ContactList::set_shares(std::size_t spheres) {
-  block_bits_ = std::clamp(static_cast<unsigned>(std::bit_width(spheres / 8)), 9u, 11u) - 1;
-  share_of_j.resize(slots());
-  first_share.clear();
-  earlier_begin.assign(spheres + 1, 0);
-  std::vector<std::uint32_t> share_outside(spheres, 0);  // of a sphere, in the last block that has one for it
-  struct Outside {
-    std::uint32_t sphere, share;
+void ContactList::set_blocks(const Bodies& bodies) {
+  const std::size_t size = block_size(bodies.spheres.size());
+  const std::vector<std::uint32_t>& first_sphere = bodies.first_sphere;
+  blocks.clear();
+  std::uint32_t body = 0, slot = 0;
+  const auto add = [&] {
+    while (slot < slots() && pairs_[slot].i < first_sphere[body]) ++slot;
+    blocks.push_back(
+        {.body = body, .sphere = first_sphere[body], .slot = slot, .share = 0, .source = 0, .balls = true});
   };
-  std::vector<Outside> outside;  // all such shares, in order
-  std::uint32_t share = 0;
-  for (std::size_t begin = 0; begin < spheres; begin += block()) {
-    const std::size_t end = std::min(begin + block(), spheres);
-    const std::uint32_t first = share;
-    first_share.push_back(first);
-    share += static_cast<std::uint32_t>(end - begin);
-    for (std::uint32_t slot = row_[begin]; slot < row_[end]; ++slot) {
+  add();
+  while (body < bodies.size()) {
+    ContactBlock& block = blocks.back();
+    for (; body < bodies.size() && first_sphere[body] < block.sphere + size; ++body)
+      block.balls &= is_ball(bodies, body);
+    add();
+  }
+}
+
+void ContactList::set_shares() {
+  const std::uint32_t spheres = blocks.back().sphere;
+  share_of_j.resize(slots());
+  sources.clear();
+  earlier_begin.assign(spheres + 1, 0);
+  constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  struct Outside {
+    std::uint32_t block, share;
+  };
+  std::vector<Outside> latest(spheres, {kNone, 0});  // of a sphere, the last block that has a share for it
+  struct Share {
+    std::uint32_t sphere, block;
+  };
+  std::vector<Share> outside;
+  for (std::uint32_t k = 0; k < block_count(); ++k) {
+    const ContactBlock &block = blocks[k], &next = blocks[k + 1];
+    const std::uint32_t own = next.sphere - block.sphere;
+    for (std::uint32_t slot = block.slot; slot < next.slot; ++slot) {
       const std::uint32_t j = pairs_[slot].j;
-      if (j < end) {
-        share_of_j[slot] = first + j - static_cast<std::uint32_t>(begin);
+      if (j < next.sphere) {
+        share_of_j[slot] = j - block.sphere;
         continue;
       }
-      if (share_outside[j] <= first) {
-        share_outside[j] = share++;
-        outside.push_back({j, share_outside[j]});
+      if (latest[j].block != k) {
+        latest[j] = {k, static_cast<std::uint32_t>(outside.size())};
+        outside.push_back({j, k});
         ++earlier_begin[j + 1];
       }
-      share_of_j[slot] = share_outside[j];
+      share_of_j[slot] = own + latest[j].share - block.share;
     }
+    blocks[k + 1].share = static_cast<std::uint32_t>(outside.size());
   }
-  first_share.push_back(share);
-  shares.assign(share, WrenchShare(0.0));
+  latest = {};
+  shares.assign(outside.size(), WrenchShare(0.0));
   for (std::size_t s = 0; s < spheres; ++s) earlier_begin[s + 1] += earlier_begin[s];
-  earlier.resize(earlier_begin[spheres]);
+  earlier.resize(outside.size());
   std::vector<std::uint32_t> cursor(earlier_begin.begin(), earlier_begin.end() - 1);
-  for (const auto& [sphere, share_there] : outside) earlier[cursor[sphere]++] = share_there;
+  for (std::uint32_t share = 0; share < outside.size(); ++share)
+    earlier[cursor[outside[share].sphere]++] = share;
+  for (std::uint32_t k = 0; k < block_count(); ++k) {
+    const auto first = static_cast<std::ptrdiff_t>(sources.size());
+    for (std::uint32_t e = earlier_begin[blocks[k].sphere]; e < earlier_begin[blocks[k + 1].sphere]; ++e)
+      sources.push_back(outside[earlier[e]].block);
+    std::sort(sources.begin() + first, sources.end());
+    sources.erase(std::unique(sources.begin() + first, sources.end()), sources.end());
+    blocks[k + 1].source = static_cast<std::uint32_t>(sources.size());
+  }
 }
 
 void ContactList::set_shifts(bool any, const std::function<Vec3(const Pair&)>& shift_of) {

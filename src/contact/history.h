@@ -49,22 +49,25 @@ struct PartialKick {
   ContactWrench impulse;  ///< N s, N m s
 };
 
+/// Bodies that a sweep works on together, and where what belongs to them begins; it ends where that of the
+/// next block begins.
+struct ContactBlock {
+  std::uint32_t body, sphere;
+  std::uint32_t slot;    ///< the pairs whose i is in the block
+  std::uint32_t share;   ///< in `shares`: of spheres of later blocks
+  std::uint32_t source;  ///< in `sources`: earlier blocks that have shares for spheres of this one
+  bool balls;            ///< no sphere has an arm
+};
+
 /// Candidate pairs ("slots") sorted by (i, j), their histories and wrenches.
 class ContactList {
  public:
-  /// Spheres per block, a power of two: what one sweep works on, independent of threads and of the
-  /// candidates. Where both spheres of a pair are in one block, their wrenches are summed there. Large
-  /// blocks, because what leaves them goes through memory; small ones, so that there is work for all threads.
-  std::size_t block() const { return std::size_t{1} << block_bits_; }
-
   /// Replaces the candidates; histories of touching pairs are carried over. Every touching pair must be among
   /// the new candidates. `features` says which springs exist.
-  void rebuild(std::vector<Pair>& pairs, std::size_t spheres, const Features& features);
+  void rebuild(std::vector<Pair>& pairs, const Bodies& bodies, const Features& features);
 
   std::size_t slots() const { return pairs_.size(); }
   const Pair& pair(std::size_t slot) const { return pairs_[slot]; }
-  /// First slot whose i is at least s; begin(spheres) is the number of slots.
-  std::uint32_t begin(std::size_t s) const { return row_[s]; }
   bool touching(std::size_t slot) const { return c_n[slot] >= 0.0; }
   /// Finds out how far the spheres of each pair that does not touch must move to do so.
   void set_margins(const Spheres& spheres);
@@ -91,9 +94,15 @@ class ContactList {
     return lattice.cwiseProduct(Vec3(shift[slot][0], shift[slot][1], shift[slot][2]));
   }
 
-  /// Where the sum of sphere s over the pairs of its own block is in `shares`.
-  std::size_t share_of(std::size_t s) const { return first_share[s >> block_bits_] + (s & (block() - 1)); }
-  /// Shares of sphere s from earlier blocks: earlier[earlier_begin[s]] ... in increasing order.
+  /// Spheres of a block, nearly: independent of threads and of the candidates. Where both spheres of a pair
+  /// are in one block, their wrenches are summed there. Large blocks, because what leaves them goes through
+  /// memory; small ones, so that there is work for all threads.
+  static std::size_t block_size(std::size_t spheres);
+  /// The blocks, and one that only says where they end.
+  std::vector<ContactBlock> blocks;
+  std::size_t block_count() const { return blocks.size() - 1; }
+  std::vector<std::uint32_t> sources;  ///< of blocks
+  /// Shares of sphere s from earlier blocks: shares[earlier[k]] from k = earlier_begin[s] on, in order.
   std::vector<std::uint32_t> earlier_begin, earlier;
 
   /// kg/s; negative: the pair does not touch, and cannot while the sum of `moved` over both spheres is less
@@ -102,25 +111,27 @@ class ContactList {
   std::vector<float> moved;         ///< m^2, square of each sphere's displacement since the list was made
   std::vector<SlideSpring> slide;   ///< empty when there is no tangential force
   std::vector<TurnSpring> turn;     ///< empty when nothing resists rolling and twisting
-  std::vector<WrenchShare> shares;  ///< by block: of its spheres, then of those its pairs reach outside it
-  std::vector<std::uint32_t> first_share;       ///< of each block
-  std::vector<std::uint32_t> share_of_j;        ///< where the wrench on j of a slot is added
+  std::vector<WrenchShare> shares;  ///< by block: of the spheres that its pairs reach in later ones
+  /// Where the wrench on j of a slot is added: the spheres of the block come first, then those in `shares`.
+  std::vector<std::uint32_t> share_of_j;
+  std::vector<std::uint8_t> swept;  ///< whether the block's pairs are evaluated
+  /// Sums over a block's own pairs that wait for those of other threads; empty: none.
+  std::vector<std::vector<WrenchShare>> waiting;
   std::vector<ContactWrench> wrench;            ///< of each slot in the last sweep, while `keep_wrenches`
   bool keep_wrenches = false;                   ///< for those who look into the pile; the motion needs none
   std::vector<std::array<double, 3>> shift;     ///< whole edges of the lattice; empty: none is shifted
   std::vector<std::uint8_t> is_shifted;         ///< whether a slot's shift is not zero; empty as `shift`
   Vec3 lattice = Vec3::Zero();                  ///< m, edges of the cells, or of the periodic box as it is
   Vec3 lattice_rate = Vec3::Zero();             ///< 1/s, their growth: images move with it
-  std::vector<std::vector<PartialKick>> kicks;  ///< of the last sweep, by block of spheres
+  std::vector<std::vector<PartialKick>> kicks;  ///< of the last sweep, by block
 
  private:
-  void set_shares(std::size_t spheres);
+  void set_blocks(const Bodies& bodies);
+  void set_shares();
   /// The slot of a pair, looked for from `slot` on. @throws InputError when it is not there.
   std::size_t find_from(std::size_t slot, const Pair& pair) const;
 
-  unsigned block_bits_ = 0;
   std::vector<Pair> pairs_;
-  std::vector<std::uint32_t> row_;
   Features features_;
 };
 

@@ -1,6 +1,7 @@
 #include "contact/sweep.h"
 
 #include <array>
+#include <atomic>
 
 #include "contact/law/law.h"
 #include "contact/law/partial.h"
@@ -160,31 +161,36 @@ CAIRN_INLINE void see_shifted(const ContactList& contacts, const Slots& slot, Tr
   u_mid = u_mid + flow;
 }
 
-/// The pairs of one block of spheres.
+/// Room for the work on one block.
+struct Room {
+  std::vector<std::uint32_t> active, fresh;  ///< slots
+  std::vector<WrenchShare> shares;           ///< of the block's spheres, then of those in later blocks
+};
+
+/// The pairs of one block.
 template <Features F>
 class Block {
  public:
   Block(const Bodies& bodies, const std::vector<SphereMotion>& motions, const SweepSettings& settings,
-        ContactList& contacts, std::size_t begin, std::size_t end)
+        ContactList& contacts, std::size_t k, Room& room)
       : bodies_(bodies),
         motions_(motions),
         settings_(settings),
         contacts_(contacts),
-        first_(contacts.begin(begin)),
-        last_(contacts.begin(end)),
+        block_(contacts.blocks[k]),
+        next_(contacts.blocks[k + 1]),
         single_(settings.laws[0]),
-        shares_(contacts.shares.data() + contacts.share_of(begin) - begin),
-        kicks_(contacts.kicks[begin / contacts.block()]) {
+        room_(room),
+        kicks_(contacts.kicks[k]) {
+    const std::size_t own = next_.sphere - block_.sphere;
     kicks_.clear();
-    if (kicks_.capacity() > contacts.block() / 8) kicks_ = {};  // rare, as in the first step of a pile
-    const std::size_t block = begin / contacts.block();
-    std::fill(contacts.shares.begin() + contacts.first_share[block],
-              contacts.shares.begin() + contacts.first_share[block + 1], WrenchShare(0.0));
+    if (kicks_.capacity() > own / 8) kicks_ = {};  // rare, as in the first step of a pile
+    room_.shares.assign(own + next_.share - block_.share, WrenchShare(0.0));
   }
 
-  SweepReport run(std::vector<std::uint32_t>& active, std::vector<std::uint32_t>& fresh) {
-    const std::size_t count =
-        contacts_.shifted() ? find_pairs<true>(active, fresh) : find_pairs<false>(active, fresh);
+  SweepReport run() {
+    std::vector<std::uint32_t>& active = room_.active;
+    const std::size_t count = contacts_.shifted() ? find_pairs<true>() : find_pairs<false>();
     Slots slot;
     std::size_t k = 0;
     for (; k + kLanes <= count; k += kLanes) {
@@ -199,6 +205,8 @@ class Block {
       slot.consecutive = false;
       evaluate_batch<true>(slot, count - k);
     }
+    std::copy(room_.shares.end() - (next_.share - block_.share), room_.shares.end(),
+              contacts_.shares.begin() + block_.share);
     SweepReport out{.dissipated = released_};
     for (std::size_t l = 0; l < kLanes; ++l) {
       out.dissipated += dissipated_[l];
@@ -210,19 +218,21 @@ class Block {
  private:
   /// Writes the slots of pairs that touch or did so a step ago to `active`, in order.
   template <bool shifted>
-  std::size_t find_pairs(std::vector<std::uint32_t>& active, std::vector<std::uint32_t>& fresh) const {
-    active.resize(last_ - first_ + kLanes);
-    fresh.resize(last_ - first_ + kLanes);
+  std::size_t find_pairs() const {
+    std::vector<std::uint32_t>&active = room_.active, &fresh = room_.fresh;
+    const std::uint32_t last = next_.slot;
+    active.resize(last - block_.slot + kLanes);
+    fresh.resize(last - block_.slot + kLanes);
     std::size_t count = 0, apart = 0;
-    std::uint32_t slot = first_;
-    for (; slot + kLanes <= last_; slot += kLanes) {
+    std::uint32_t slot = block_.slot;
+    for (; slot + kLanes <= last; slot += kLanes) {
       Batch c_n;
       __builtin_memcpy(&c_n, &contacts_.c_n[slot], sizeof c_n);
       const Mask not_touching = c_n < Batch(0.0);
       count += write_lanes(!not_touching, slot, &active[count]);
       apart += write_lanes(not_touching, slot, &fresh[apart]);
     }
-    for (; slot < last_; ++slot) {
+    for (; slot < last; ++slot) {
       const bool touching = contacts_.touching(slot);
       active[count] = fresh[apart] = slot;
       count += touching;
@@ -233,22 +243,27 @@ class Block {
       slot = fresh[k];
       const Pair pair = contacts_.pair(slot);
       fresh[near] = slot;
-      near += !(contacts_.moved[pair.i] + contacts_.moved[pair.j] < -contacts_.c_n[slot]);
+      const bool close = !(contacts_.moved[pair.i] + contacts_.moved[pair.j] < -contacts_.c_n[slot]);
+      near += close;
+      if (close) {
+        __builtin_prefetch(motions_[pair.i].position);
+        __builtin_prefetch(motions_[pair.j].position);
+      }
     }
-    const Spheres& spheres = bodies_.spheres;
     std::size_t begun = 0;
     for (std::size_t k = 0; k < near; ++k) {
       slot = fresh[k];
       const Pair pair = contacts_.pair(slot);
-      const Vec3 &a = spheres.position[pair.i], &b = spheres.position[pair.j];
-      double x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
+      const SphereMotion &a = motions_[pair.i], &b = motions_[pair.j];
+      double x = b.position[0] - a.position[0], y = b.position[1] - a.position[1],
+             z = b.position[2] - a.position[2];
       if constexpr (shifted) {
         const std::array<double, 3>& steps = contacts_.shift[slot];
         x = fma(contacts_.lattice[0], steps[0], x);
         y = fma(contacts_.lattice[1], steps[1], y);
         z = fma(contacts_.lattice[2], steps[2], z);
       }
-      const double sum = spheres.radius[pair.i] + spheres.radius[pair.j];
+      const double sum = a.radius + b.radius;
       fresh[begun] = slot;
       begun += fma(x, x, fma(y, y, z * z)) < sum * sum;
     }
@@ -365,8 +380,8 @@ class Block {
     to_rows(w.force, w.less_torque_j, less_on_j);
     WrenchShare *of_i[kLanes], *of_j[kLanes];
     for (std::size_t l = 0; l < kLanes; ++l) {
-      of_i[l] = &shares_[index_i[l]];
-      of_j[l] = &contacts_.shares[contacts_.share_of_j[slot[l]]];
+      of_i[l] = &room_.shares[index_i[l] - block_.sphere];
+      of_j[l] = &room_.shares[contacts_.share_of_j[slot[l]]];
     }
     for (std::size_t l = 0; l < used; ++l) {
       if (parted.v[l]) continue;
@@ -409,9 +424,9 @@ class Block {
   const std::vector<SphereMotion>& motions_;
   const SweepSettings& settings_;
   ContactList& contacts_;
-  const std::uint32_t first_, last_;  // slots
+  const ContactBlock &block_, &next_;
   const LawConstants<Batch> single_;
-  WrenchShare* shares_;  // of spheres, by their number
+  Room& room_;
   std::vector<PartialKick>& kicks_;
   Batch dissipated_ = 0.0, overlap_ratio_ = 0.0;
   double released_ = 0.0;
@@ -449,18 +464,35 @@ void set_damping(const Bodies& bodies, const SweepSettings& settings, ContactLis
     contacts.slide[slot].c_s = law.damping_s * std::sqrt(law.k_s * mu.tangential);
 }
 
-SweepReport sweep(const Bodies& bodies, const std::vector<SphereMotion>& motions,
-                  const SweepSettings& settings, ContactList& contacts) {
-  const std::size_t spheres = motions.size();
-  contacts.kicks.resize(contacts.first_share.size() - 1);
+SweepReport sweep(const std::vector<SphereMotion>& motions, const SweepSettings& settings,
+                  ContactList& contacts, Bodies& bodies, const BodyWork& work) {
+  const std::size_t count = contacts.block_count();
+  contacts.kicks.resize(count);
   if (contacts.keep_wrenches) contacts.wrench.assign(contacts.slots(), ContactWrench{});
+  contacts.swept.assign(count, 0);
+  contacts.waiting.resize(count);
+  const auto is_swept = [&](std::uint32_t k) {
+    return std::atomic_ref(contacts.swept[k]).load(std::memory_order_acquire) != 0;
+  };
   SweepReport total;
   with_features(settings.features, [&]<Features F>() {
-    total =
-        parallel_block_sum(spheres, contacts.block(), SweepReport{}, [&](std::size_t begin, std::size_t end) {
-          static thread_local std::vector<std::uint32_t> active, fresh;
-          return Block<F>(bodies, motions, settings, contacts, begin, end).run(active, fresh);
-        });
+    total = parallel_block_sum(count, 1, SweepReport{}, [&](std::size_t k, std::size_t) {
+      static thread_local Room room;
+      const SweepReport report = Block<F>(bodies, motions, settings, contacts, k, room).run();
+      std::atomic_ref(contacts.swept[k]).store(1, std::memory_order_release);
+      const std::uint32_t* sources = contacts.sources.data();
+      if (std::all_of(sources + contacts.blocks[k].source, sources + contacts.blocks[k + 1].source,
+                      is_swept)) {
+        contacts.waiting[k].clear();
+        gather_block(contacts, k, room.shares, work, bodies);
+      } else {  // on another thread
+        room.shares.swap(contacts.waiting[k]);
+      }
+      return report;
+    });
+  });
+  parallel_blocks(count, 1, [&](std::size_t k, std::size_t) {
+    if (!contacts.waiting[k].empty()) gather_block(contacts, k, contacts.waiting[k], work, bodies);
   });
   return total;
 }
@@ -499,17 +531,13 @@ void apply_partial_kicks(const ContactList& contacts, Bodies& bodies) {
 double stored_energy(const Bodies& bodies, const SweepSettings& settings, const ContactList& contacts) {
   const Spheres& spheres = bodies.spheres;
   return with_features(settings.features, [&]<Features F>() {
-    return parallel_sum(spheres.size(), 0.0, [&](std::size_t s) {
-      double energy = 0.0;
-      for (std::uint32_t slot = contacts.begin(s); slot < contacts.begin(s + 1); ++slot) {
-        if (!contacts.touching(slot)) continue;
-        const Pair& p = contacts.pair(slot);
-        const double ri = spheres.radius[p.i], rj = spheres.radius[p.j];
-        const double overlap = ri + rj - separation(spheres, contacts, slot).norm();
-        energy += stored_energy<F>(LawConstants<double>(law_of(bodies, settings, p)), overlap,
-                                   ri * rj / (ri + rj), contacts.memory(slot));
-      }
-      return energy;
+    return parallel_sum(contacts.slots(), 0.0, [&](std::size_t slot) {
+      if (!contacts.touching(slot)) return 0.0;
+      const Pair& p = contacts.pair(slot);
+      const double ri = spheres.radius[p.i], rj = spheres.radius[p.j];
+      const double overlap = ri + rj - separation(spheres, contacts, slot).norm();
+      return stored_energy<F>(LawConstants<double>(law_of(bodies, settings, p)), overlap, ri * rj / (ri + rj),
+                              contacts.memory(slot));
     });
   });
 }

@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "body/bodies.h"
-#include "contact/history.h"
+#include "contact/gather.h"
 #include "contact/kinematics.h"
 #include "contact/law/pair.h"
 
@@ -33,10 +32,11 @@ struct SweepReport {
   }
 };
 
-/// Evaluates every touching pair: histories and wrenches are updated in place.
+/// Evaluates every touching pair, histories in place, and sets the bodies' wrenches; `work` is done with them
+/// on the way.
 /// Two spheres with one centre have no normal: their overlap ratio is 2, the wrench meaningless.
-SweepReport sweep(const Bodies& bodies, const std::vector<SphereMotion>& motions,
-                  const SweepSettings& settings, ContactList& contacts);
+SweepReport sweep(const std::vector<SphereMotion>& motions, const SweepSettings& settings,
+                  ContactList& contacts, Bodies& bodies, const BodyWork& work = BodyWork());
 
 /// The touching pair with the greatest overlap over its smaller radius; i == j when nothing touches.
 Pair deepest_pair(const Bodies& bodies, const ContactList& contacts);

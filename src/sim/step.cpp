@@ -8,7 +8,6 @@
 
 #include "analysis/spin_state.h"
 #include "body/cells.h"
-#include "contact/gather.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/timer.h"
@@ -217,28 +216,31 @@ std::span<const Vec3> body_places(const Bodies& bodies, Scratch& scratch) {
   return scratch.body_places;
 }
 
-/// Sets the bodies' wrenches to those of their contacts, of self-gravity as it is held, and of the field;
-/// kicks them by `kick_dt` unless that is 0.
-void gather(const Physics& physics, double kick_dt, State& state, Scratch& scratch) {
-  Bodies& bodies = state.bodies;
-  std::optional<gravity::SelfGravity> pull;
-  if (physics.gravity != GravityMethod::none)
-    pull.emplace(state.gravity, state.clock.time(), body_places(bodies, scratch), bodies.mass);
-  gather_wrenches(
-      state.contacts,
-      [&](std::size_t b, std::size_t count, Vec3* force, Vec3* torque) {
-        constexpr std::size_t kFew = gravity::kLanes;
-        std::fill_n(force, count, Vec3::Zero());
-        std::fill_n(torque, count, Vec3::Zero());
-        for (std::size_t k = 0; pull && k < count; k += kFew)
-          pull->get(b + k, std::min(kFew, count - k), force + k, torque + k);
-        for (std::size_t k = 0; k < count; ++k) force[k] += bodies.mass[b + k] * physics.field;
-      },
-      bodies,
-      [&](std::size_t begin, std::size_t end) {
-        if (kick_dt > 0.0) kick(bodies, kick_dt, begin, end);
-      });
-}
+/// What acts beside contacts of bodies: self-gravity as it is held, and the field. Then the last kick, unless
+/// `kick_dt` is 0.
+class OtherForces : public BodyWork {
+ public:
+  OtherForces(const Physics& physics, double kick_dt, const State& state, Scratch& scratch)
+      : field_(physics.field), kick_dt_(kick_dt) {
+    if (physics.gravity != GravityMethod::none)
+      pull_.emplace(state.gravity, state.clock.time(), body_places(state.bodies, scratch), state.bodies.mass);
+  }
+  void before_contacts(Bodies& bodies, std::size_t begin, std::size_t end) const override {
+    constexpr std::size_t kFew = gravity::kLanes;
+    BodyWork::before_contacts(bodies, begin, end);
+    for (std::size_t b = begin; pull_ && b < end; b += kFew)
+      pull_->get(b, std::min(kFew, end - b), &bodies.force[b], &bodies.torque[b]);
+    for (std::size_t b = begin; b < end; ++b) bodies.force[b] += bodies.mass[b] * field_;
+  }
+  void after_contacts(Bodies& bodies, std::size_t begin, std::size_t end) const override {
+    if (kick_dt_ > 0.0) kick(bodies, kick_dt_, begin, end);
+  }
+
+ private:
+  const Vec3 field_;
+  const double kick_dt_;
+  std::optional<gravity::SelfGravity> pull_;
+};
 
 /// Whether something acts beside contacts of bodies, gravity and the field.
 bool more_acts(const Physics& physics, const State& state) {
@@ -249,8 +251,8 @@ bool more_acts(const Physics& physics, const State& state) {
 /// kicked by `kick_dt` at once.
 void evaluate_forces(const Physics& physics, const SweepSettings& settings, double kick_dt, State& state,
                      Scratch& scratch) {
-  const SweepReport pairs = sweep(state.bodies, scratch.motions, settings, state.contacts);
-  gather(physics, more_acts(physics, state) ? 0.0 : kick_dt, state, scratch);
+  const OtherForces others(physics, more_acts(physics, state) ? 0.0 : kick_dt, state, scratch);
+  const SweepReport pairs = sweep(scratch.motions, settings, state.contacts, state.bodies, others);
   apply_partial_kicks(state.contacts, state.bodies);
   WallReport walls;
   Ledger& ledger = state.ledger;

@@ -1,7 +1,6 @@
 // A loaded contact that is carried through a rigid rotation stays as it is.
 #include <gtest/gtest.h>
 
-#include "gather_contacts.h"
 #include "motion/drift.h"
 #include "physics/report.h"
 #include "physics/scenes.h"
@@ -71,8 +70,7 @@ Drift carry(bool aggregates, const Vec3& axis, std::uint64_t steps) {
     now = next;
     place_spheres(bodies);
     compute_motions(bodies, spin_mid, dt, e.scratch.motions);
-    sweep(bodies, e.scratch.motions, e.physics.contacts, e.state.contacts);
-    gather_contacts(e.state.contacts, bodies);
+    sweep(e.scratch.motions, e.physics.contacts, e.state.contacts, bodies);
     if (k % (steps / 20) != 0) continue;
     const Load here = load(e, next);
     out.energy = std::max(out.energy, std::abs(e.spring_energy() / energy - 1.0));

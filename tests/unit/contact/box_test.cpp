@@ -10,7 +10,6 @@
 #include "contact/sweep.h"
 #include "core/error.h"
 #include "core/random.h"
-#include "gather_contacts.h"
 #include "shape/library.h"
 
 namespace cairn {
@@ -123,8 +122,7 @@ struct Touch {
     settings.material.assign(bodies.size(), 0);
     ContactList contacts;
     Candidates().rebuild(bodies, {}, settings.features, contacts, box);
-    sweep(bodies, motions, settings, contacts);
-    gather_contacts(contacts, bodies);
+    sweep(motions, settings, contacts, bodies);
     force = bodies.force;
     torque = bodies.torque;
     records = contacts.records();
@@ -225,9 +223,9 @@ TEST(Candidates, InAStrainedBoxHoldEveryTouchingPairUntilTheyExpire) {
     if (candidates.expired(bodies, 0.0, contacts, box)) break;
     for (const Pair& p : all_images(bodies, box.edge, 0.0)) {
       bool listed = false;
-      for (std::uint32_t slot = contacts.begin(p.i); slot < contacts.begin(p.i + 1); ++slot)
+      for (std::size_t slot = 0; slot < contacts.slots(); ++slot)
         listed |=
-            contacts.pair(slot).j == p.j && contacts.moved[p.i] + contacts.moved[p.j] >= -contacts.c_n[slot];
+            contacts.pair(slot) == p && contacts.moved[p.i] + contacts.moved[p.j] >= -contacts.c_n[slot];
       ASSERT_TRUE(listed);
     }
   }

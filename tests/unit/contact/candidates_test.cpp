@@ -8,17 +8,25 @@
 namespace cairn {
 namespace {
 
+Bodies loose_spheres(std::size_t count) {
+  Bodies bodies;
+  const RigidShape ball = make_rigid(load_shape("sphere", "."), MassModel::union_volume);
+  for (std::size_t b = 0; b < count; ++b) add_body(bodies, ball, 0, 1.0, 1.0, 0, {});
+  return bodies;
+}
+
 TEST(ContactList, RebuildKeepsTheHistoriesOfTouchingPairs) {
+  const Bodies bodies = loose_spheres(4);
   ContactList list;
   std::vector<Pair> pairs{{0, 1}, {0, 3}, {1, 2}, {2, 3}};
-  list.rebuild(pairs, 4, kWhole);
+  list.rebuild(pairs, bodies, kWhole);
   const ContactMemory<double> first{1.0, 2.0, {3.0, 4.0, 5.0}, {6.0, 7.0, 8.0}, 9.0};
   ContactMemory<double> second = first;
   second.slide.y = -1.5;
   list.set_memory(1, first);
   list.set_memory(3, second);
   pairs = {{0, 2}, {0, 3}, {1, 3}, {2, 3}};
-  list.rebuild(pairs, 4, kWhole);
+  list.rebuild(pairs, bodies, kWhole);
 
   const std::vector<ContactRecord> records = list.records();
   ASSERT_EQ(records.size(), 2u);
@@ -40,22 +48,39 @@ TEST(ContactList, KnowsWhereTheWrenchesOfBothPartnersAreSummed) {
   constexpr std::uint32_t kBlock = 256;  // of so few spheres
   ContactList list;
   std::vector<Pair> pairs{{0, 2}, {0, kBlock}, {1, 2}, {2, kBlock}, {2, kBlock + 1}, {kBlock, kBlock + 1}};
-  list.rebuild(pairs, kBlock + 2, kNormal);
-  ASSERT_EQ(list.block(), kBlock);
-  EXPECT_EQ(list.begin(0), 0u);
-  EXPECT_EQ(list.begin(1), 2u);
-  EXPECT_EQ(list.begin(kBlock + 2), 6u);
-  EXPECT_EQ(list.share_of(2), 2u);
-  EXPECT_EQ(list.share_of(kBlock + 1), kBlock + 2 + 1);  // the first block reaches two others
-  EXPECT_EQ(list.share_of_j, (std::vector<std::uint32_t>{2, kBlock, 2, kBlock, kBlock + 1, kBlock + 2 + 1}));
-  EXPECT_EQ(list.shares.size(), kBlock + 2 + 2);
+  list.rebuild(pairs, loose_spheres(kBlock + 2), kNormal);
+  ASSERT_EQ(list.block_size(kBlock + 2), kBlock);
+  ASSERT_EQ(list.block_count(), 2u);
+  EXPECT_EQ(list.blocks[1].body, kBlock);
+  EXPECT_EQ(list.blocks[1].slot, 5u);
+  EXPECT_EQ(list.blocks[2].sphere, kBlock + 2);
+  EXPECT_EQ(list.blocks[2].slot, 6u);
+  EXPECT_EQ(list.share_of_j, (std::vector<std::uint32_t>{2, kBlock, 2, kBlock, kBlock + 1, 1}));
+  EXPECT_EQ(list.shares.size(), 2u);  // the first block reaches two others
   const auto earlier = [&](std::uint32_t s) {
     return std::vector<std::uint32_t>(list.earlier.begin() + list.earlier_begin[s],
                                       list.earlier.begin() + list.earlier_begin[s + 1]);
   };
   EXPECT_EQ(earlier(2), (std::vector<std::uint32_t>{}));
-  EXPECT_EQ(earlier(kBlock), (std::vector<std::uint32_t>{kBlock}));
-  EXPECT_EQ(earlier(kBlock + 1), (std::vector<std::uint32_t>{kBlock + 1}));
+  EXPECT_EQ(earlier(kBlock), (std::vector<std::uint32_t>{0}));
+  EXPECT_EQ(earlier(kBlock + 1), (std::vector<std::uint32_t>{1}));
+  EXPECT_EQ(list.sources, (std::vector<std::uint32_t>{0}));
+  EXPECT_EQ(list.blocks[1].source, 0u);
+  EXPECT_EQ(list.blocks[2].source, 1u);
+}
+
+TEST(ContactList, BlocksAreMadeOfWholeBodies) {
+  Bodies bodies;
+  const RigidShape rod = make_rigid(load_shape("rod4", "."), MassModel::union_volume);
+  for (int b = 0; b < 100; ++b) add_body(bodies, rod, 0, 1.0, 1.0, 0, {});
+  ContactList list;
+  std::vector<Pair> pairs{{256, 399}};
+  list.rebuild(pairs, bodies, kNormal);
+  ASSERT_EQ(list.block_count(), 2u);
+  EXPECT_EQ(list.blocks[1].sphere, 256u);
+  EXPECT_EQ(list.blocks[1].body, 64u);
+  EXPECT_EQ(list.blocks[1].slot, 0u);
+  EXPECT_FALSE(list.blocks[0].balls);
 }
 
 /// A ball of aggregates that turns about z and moves on as one body.
@@ -126,8 +151,7 @@ TEST(Candidates, HoldEveryTouchingPairUntilTheyExpire) {
         continue;
       ++touching;
       bool listed = false;
-      for (std::uint32_t slot = contacts.begin(i); slot < contacts.begin(i + 1); ++slot)
-        listed |= contacts.pair(slot).j == j;
+      for (std::size_t slot = 0; slot < contacts.slots(); ++slot) listed |= contacts.pair(slot) == Pair{i, j};
       EXPECT_TRUE(listed) << i << ' ' << j;
     }
   EXPECT_GT(touching, 50u);
@@ -191,8 +215,8 @@ void expect_all_seen(const Bodies& bodies, const ContactList& contacts, const Bo
       if (box.periodic()) d += box.edge.cwiseProduct(box.nearest_image(d));
       if (s.body[i] == s.body[j] || d.norm() >= s.radius[i] + s.radius[j]) continue;
       bool seen = false;
-      for (std::uint32_t slot = contacts.begin(i); slot < contacts.begin(i + 1); ++slot)
-        seen |= contacts.pair(slot).j == j &&
+      for (std::size_t slot = 0; slot < contacts.slots(); ++slot)
+        seen |= contacts.pair(slot) == Pair{i, j} &&
                 (contacts.touching(slot) || contacts.moved[i] + contacts.moved[j] >= -contacts.c_n[slot]);
       ASSERT_TRUE(seen) << i << ' ' << j;
     }

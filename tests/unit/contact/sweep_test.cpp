@@ -8,7 +8,6 @@
 #include "contact/candidates.h"
 #include "core/random.h"
 #include "core/vector.h"
-#include "gather_contacts.h"
 #include "shape/library.h"
 
 namespace cairn {
@@ -186,7 +185,7 @@ void expect_pair_by_pair(std::size_t materials, bool sphere_damping) {
   ASSERT_NE((fresh + old) % 8, 0);  // the last batch is not full
 
   heap.contacts.keep_wrenches = true;
-  const SweepReport report = sweep(bodies, heap.motions, heap.settings, heap.contacts);
+  const SweepReport report = sweep(heap.motions, heap.settings, heap.contacts, bodies);
   EXPECT_NEAR(report.dissipated, dissipated, 1e-11 * std::abs(dissipated));
   EXPECT_NEAR(report.overlap_ratio, deepest, 1e-13);
   for (std::size_t slot = 0; slot < pairs.size(); ++slot) {
@@ -205,7 +204,6 @@ void expect_pair_by_pair(std::size_t materials, bool sphere_damping) {
     expect_near(vector(memory.roll), vector(expected.roll), 1e-2);
     EXPECT_NEAR(memory.twist, expected.twist, 1e-13);
   }
-  gather_contacts(heap.contacts, bodies);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     expect_near(bodies.force[b], force[b], 10.0 * strongest);
     expect_near(bodies.torque[b], torque[b], 10.0 * strongest);
@@ -243,10 +241,9 @@ TEST(Sweep, SpringsOfAPairThatPartsAreLostAndCounted) {
   place_spheres(bodies);
   std::vector<SphereMotion> motions;
   compute_motions(bodies, std::vector<Vec3>(bodies.size(), Vec3::Zero()), settings.dt, motions);
-  contacts.shares[0] = WrenchShare(5.0);
-  EXPECT_NEAR(sweep(bodies, motions, settings, contacts).dissipated, springs, 1e-12 * springs);
+  bodies.force[0] = Vec3(5.0, 5.0, 5.0);
+  EXPECT_NEAR(sweep(motions, settings, contacts, bodies).dissipated, springs, 1e-12 * springs);
   EXPECT_EQ(stored_energy(bodies, settings, contacts), 0.0);
-  gather_contacts(contacts, bodies);
   EXPECT_EQ(bodies.force[0], Vec3(Vec3::Zero()));
   // When they meet again, the springs start anew.
   ContactMemory<double> memory = contacts.memory(0);
