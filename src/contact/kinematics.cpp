@@ -1,14 +1,33 @@
 #include "contact/kinematics.h"
 
 #include "core/parallel.h"
+#include "core/simd.h"
 
 namespace cairn {
+
+namespace {
+
+/// Motions of many spheres are out of the caches before they are read: they are written past them.
+void write(const SphereMotion& from, bool many, SphereMotion& to) {
+  if (!many) {
+    to = from;
+    return;
+  }
+  for (std::size_t k = 0; k < 2; ++k) {
+    Batch half;
+    __builtin_memcpy(&half, from.position + k * kLanes, sizeof half);
+    stream(half, to.position + k * kLanes);
+  }
+}
+
+}  // namespace
 
 void compute_motions(const Bodies& bodies, std::span<const Vec3> spin_mid, double dt, const Vec3& rate,
                      std::size_t first, std::size_t last, std::vector<SphereMotion>& motions) {
   const Spheres& spheres = bodies.spheres;
   const double half = 0.5 * dt;
-  const bool flows = rate != Vec3::Zero();
+  const bool flows = rate != Vec3::Zero(), many = motions.size() > kManySpheres;
+  SphereMotion m;
   for (std::size_t b = first; b < last; ++b) {
     Vec3 velocity_mid = bodies.velocity[b];
     if (flows) velocity_mid += rate.cwiseProduct(bodies.position[b]);
@@ -16,13 +35,13 @@ void compute_motions(const Bodies& bodies, std::span<const Vec3> spin_mid, doubl
     const Vec3 momentum_end = bodies.spin[b] + half * bodies.torque[b];
     const std::uint32_t begin = bodies.first_sphere[b], end = bodies.first_sphere[b + 1];
     if (is_ball(bodies, b)) {  // no arm
-      SphereMotion& m = motions[begin];
       Eigen::Map<Vec3>(m.position) = spheres.position[begin];
       m.radius = spheres.radius[begin];
       Eigen::Map<Vec3>(m.velocity_mid) = velocity_mid;
       Eigen::Map<Vec3>(m.spin_mid) = spin_mid[b - first];
       Eigen::Map<Vec3>(m.velocity) = velocity_end;
       Eigen::Map<Vec3>(m.spin) = (1.0 / bodies.inertia[b].x()) * momentum_end;
+      write(m, many, motions[begin]);
       continue;
     }
     const Quat& q = bodies.orientation[b];
@@ -31,7 +50,6 @@ void compute_motions(const Bodies& bodies, std::span<const Vec3> spin_mid, doubl
     const Vec3 turn = half * w_mid;
     const double share = 1.0 / (1.0 + turn.squaredNorm());
     for (std::uint32_t s = begin; s < end; ++s) {
-      SphereMotion& m = motions[s];
       const Vec3 arm = spheres.position[s] - bodies.position[b];
       // The mean of the arms before and after the drift: arm = arm_mid + turn x arm_mid.
       const Vec3 arm_mid = share * (arm - turn.cross(arm) + turn.dot(arm) * turn);
@@ -41,8 +59,10 @@ void compute_motions(const Bodies& bodies, std::span<const Vec3> spin_mid, doubl
       Eigen::Map<Vec3>(m.spin_mid) = w_mid;
       Eigen::Map<Vec3>(m.velocity) = velocity_end + w_end.cross(arm);
       Eigen::Map<Vec3>(m.spin) = w_end;
+      write(m, many, motions[s]);
     }
   }
+  if (many) end_of_streams();
 }
 
 void compute_motions(const Bodies& bodies, std::span<const Vec3> spin_mid, double dt,

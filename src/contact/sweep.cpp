@@ -197,7 +197,8 @@ class Block {
       for (std::size_t l = 0; l < kLanes; ++l) slot.index[l] = active[k + l];
       slot.consecutive = slot[kLanes - 1] - slot[0] == kLanes - 1;
       if (k + (kAhead + 1) * kLanes <= count)
-        for (std::size_t l = 0; l < kLanes; ++l) fetch(active[k + kAhead * kLanes + l]);
+        for (std::size_t l = 0; l < kLanes; ++l) fetch_partner(active[k + kAhead * kLanes + l]);
+      for (std::size_t l = 0; l < kLanes; l += 2) fetch_springs(slot[l]);  // two in a line
       evaluate_batch<false>(slot, kLanes);
     }
     if (k < count) {  // spare lanes repeat the last contact: same values, same slot
@@ -276,14 +277,21 @@ class Block {
     return total;
   }
 
-  static constexpr std::size_t kAhead = 3;  // batches; enough for a cache that is not the nearest
+  static constexpr std::size_t kAhead = 3;             // batches; enough for a cache that is not the nearest
+  static constexpr std::uint32_t kSpringsAhead = 128;  // slots
 
-  /// The partner's motion is somewhere else in memory. More than these three lines is too much at once.
-  void fetch(std::uint32_t slot) const {
-    if constexpr (F.tangential) __builtin_prefetch(&contacts_.slide[slot], 1);
+  /// The partner's motion is somewhere else in memory.
+  void fetch_partner(std::uint32_t slot) const {
     const SphereMotion& j = motions_[contacts_.pair(slot).j];
     __builtin_prefetch(j.position);
     __builtin_prefetch(j.position + 8);
+  }
+
+  /// Springs follow each other, but in too many columns for the hardware to foresee all.
+  void fetch_springs(std::uint32_t slot) const {
+    const std::size_t ahead = std::min<std::size_t>(slot + kSpringsAhead, contacts_.slots() - 1);
+    if constexpr (F.tangential) __builtin_prefetch(&contacts_.slide[ahead], 1, 2);
+    if constexpr (F.rolling || F.twisting) __builtin_prefetch(&contacts_.turn[ahead], 1, 2);
   }
 
   /// Eight pairs at once, of which the first `used` count. A batch in which no contact begins or ends needs

@@ -214,6 +214,21 @@ CAIRN_INLINE void store_transposed(const Batch (&in)[columns], double* const (&r
   }
 }
 
+/// Writes to a cache line past the caches where the instruction set can, as for what will not be read soon.
+CAIRN_INLINE void stream(Batch a, double* line) {
+#ifdef __AVX512F__
+  _mm512_stream_pd(line, (__m512d)a.v);
+#else
+  __builtin_memcpy(line, &a, sizeof a);
+#endif
+}
+/// Before other threads read what this one has streamed.
+CAIRN_INLINE void end_of_streams() {
+#ifdef __AVX512F__
+  _mm_sfence();
+#endif
+}
+
 /// A vector whose components are doubles or batches.
 template <class T>
 struct Triple {
