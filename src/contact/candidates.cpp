@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/memory.h"
 #include "core/parallel.h"
 
 namespace cairn {
@@ -113,9 +114,9 @@ void Candidates::rebuild(const Bodies& bodies, const RigidMotion& motion, const 
                      before);
   pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
   const bool many = spheres.size() > kManySpheres;
-  if (many) search_ = {};
+  if (many) search_ = NearPairs();
   contacts.rebuild(pairs_, bodies, features);
-  if (many) pairs_ = {};
+  if (many) give_back(pairs_);
   find_shifts(bodies, box, contacts);
   contacts.set_margins(spheres);
   std::fill(contacts.moved.begin(), contacts.moved.end(), kNotZero);

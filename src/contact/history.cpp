@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/memory.h"
 #include "core/parallel.h"
 
 namespace cairn {
@@ -104,7 +105,7 @@ void ContactList::set_shares() {
     }
     blocks[k + 1].share = static_cast<std::uint32_t>(outside.size());
   }
-  latest = {};
+  give_back(latest);
   shares.assign(outside.size(), WrenchShare(0.0));
   for (std::size_t s = 0; s < spheres; ++s) earlier_begin[s + 1] += earlier_begin[s];
   earlier.resize(outside.size());

@@ -5,7 +5,7 @@
 
 #include "contact/law/law.h"
 #include "contact/law/partial.h"
-#include "core/error.h"
+#include "core/memory.h"
 #include "core/parallel.h"
 #include "core/vector.h"
 
@@ -184,7 +184,7 @@ class Block {
         kicks_(contacts.kicks[k]) {
     const std::size_t own = next_.sphere - block_.sphere;
     kicks_.clear();
-    if (kicks_.capacity() > own / 8) kicks_ = {};  // rare, as in the first step of a pile
+    if (kicks_.capacity() > own / 8) give_back(kicks_);  // rare, as in the first step of a pile
     room_.shares.assign(own + next_.share - block_.share, WrenchShare(0.0));
   }
 

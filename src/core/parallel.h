@@ -16,8 +16,8 @@ namespace cairn {
 /// Lets loops run on as many threads as the work pays for, at most what OMP_NUM_THREADS or the machine
 /// allows: one for each thousand spheres.
 inline void use_threads_for(std::size_t spheres) {
-  omp_set_num_threads(static_cast<int>(
-      std::clamp<std::size_t>(spheres / 1000, 1, static_cast<std::size_t>(omp_get_max_threads()))));
+  static const auto most = static_cast<std::size_t>(omp_get_max_threads());
+  omp_set_num_threads(static_cast<int>(std::clamp<std::size_t>(spheres / 1000, 1, most)));
 }
 
 /// Calls body(begin, end) over [0, count) in blocks of `block`; blocks may run in any order and at once. Each

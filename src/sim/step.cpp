@@ -9,6 +9,7 @@
 #include "analysis/spin_state.h"
 #include "body/cells.h"
 #include "core/error.h"
+#include "core/memory.h"
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "gravity/accuracy.h"
@@ -169,10 +170,10 @@ double shortest_change(const Physics& physics, const Bodies& bodies, const Rigid
 /// Gives back what the next evaluation will need again.
 void free_gravity(const Physics& physics, Scratch& scratch) {
   scratch.tree = gravity::Fmm(physics.tree);
-  scratch.acceleration = {};
-  scratch.wrenches = {};
-  scratch.body_places = {};
-  scratch.sphere_places = {};
+  give_back(scratch.acceleration);
+  scratch.wrenches = gravity::Wrenches();
+  give_back(scratch.body_places);
+  give_back(scratch.sphere_places);
 }
 
 /// Evaluates self-gravity anew; with an interval of its own choice only when something has moved.

@@ -2,6 +2,7 @@
 // second. The packings are made by bench_packing; the folder that holds them is the first argument.
 #include <benchmark/benchmark.h>
 
+#include <malloc.h>
 #include <time.h>
 
 #include <algorithm>
@@ -133,8 +134,15 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+/// Bytes that the program holds at the moment.
+double bytes_held() {
+  const struct mallinfo2 heap = mallinfo2();
+  return static_cast<double>(heap.uordblks + heap.hblkhd);
+}
+
 void whole_step(benchmark::State& run, const std::string& pile, const std::string& material,
                 const std::array<int, 3>& tiles, Unrest unrest) {
+  const double held = bytes_held();
   Packing packing(pile, material, tiles, unrest);
   const double spheres = static_cast<double>(packing.state.bodies.spheres.size());
   const double before = static_cast<double>(packing.state.contacts.contacts());
@@ -163,6 +171,7 @@ void whole_step(benchmark::State& run, const std::string& pile, const std::strin
   run.counters["contacts"] = 2.0 * static_cast<double>(packing.state.contacts.contacts()) / spheres;
   run.counters["contacts_before"] = 2.0 * before / spheres;
   run.counters["candidates"] = 2.0 * static_cast<double>(packing.state.contacts.slots()) / spheres;
+  run.counters["bytes"] = (bytes_held() - held) / spheres;
   for (std::size_t k = 0; k < 3; ++k)
     run.counters[std::string(kPhaseNames[k]) + "_ns"] = 1e9 * quick(seconds[k]);
 }
