@@ -13,7 +13,7 @@ ResultView::ResultView(const std::filesystem::path& path) : file_(ResultFile::op
   read_constants(file_, state_.bodies, shapes_);
   ContactColumns contacts;
   WallColumns walls;
-  file_.read_checkpoint(checkpoint_fields(state_, contacts, walls));
+  file_.read_checkpoint(checkpoint_fields(state_, contacts.table(), walls));
   RunAttributes attributes;
   file_.read_attributes(attributes.table());
   title_ = attributes.title;

@@ -370,7 +370,7 @@ class Block {
       return;
     }
     add_wrenches(slot, index_i, wrench, parted, used);
-    if (any(fresh))
+    if (settings_.dt > 0.0 && any(fresh))
       add_first_touches(contacts_, slot, fresh, wrench, geometry, motion.dt, law.k_n, settings_.dt, kicks_);
     for (std::size_t l = 0; l < used; ++l) {
       if (parted.v[l])

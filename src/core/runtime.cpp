@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 namespace cairn {
 
@@ -17,9 +18,12 @@ void tune_runtime(char** argv) {
   if (!value(kDone).empty()) return;
   const auto set = [](const char* name, const std::string& to) { setenv(name, to.c_str(), 1); };
   set(kDone, "1");
-  const std::string tunables = value("GLIBC_TUNABLES");
-  if (tunables.find("glibc.malloc.hugetlb") == std::string::npos)
-    set("GLIBC_TUNABLES", (tunables.empty() ? "" : tunables + ":") + "glibc.malloc.hugetlb=1");
+  for (const auto& [name, to] :
+       {std::pair("glibc.malloc.hugetlb", "1"), {"glibc.malloc.mmap_threshold", "4194304"}}) {
+    const std::string tunables = value("GLIBC_TUNABLES");
+    if (tunables.find(name) == std::string::npos)
+      set("GLIBC_TUNABLES", (tunables.empty() ? "" : tunables + ":") + name + "=" + to);
+  }
   if (value("GOMP_SPINCOUNT").empty() && value("OMP_WAIT_POLICY").empty()) set("GOMP_SPINCOUNT", "1000");
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);

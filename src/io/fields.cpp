@@ -50,6 +50,10 @@ struct IsVector : std::false_type {};
 template <class T>
 struct IsVector<std::vector<T>> : std::true_type {};
 
+/// What a field's data points at; a function is what it is.
+template <class T>
+using Pointed = std::remove_cvref_t<std::remove_pointer_t<std::remove_cvref_t<T>>>;
+
 std::size_t size_of(ElementType type) {
   switch (type) {
     case ElementType::f64:
@@ -151,8 +155,8 @@ std::string unequal_rows(const FieldTable& table) {
   for (const Field& field : table) {
     if (field.axis.empty()) continue;
     const bool agrees = std::visit(
-        [&](const auto* value) {
-          if constexpr (IsVector<std::remove_cvref_t<decltype(*value)>>::value)
+        [&](const auto& value) {
+          if constexpr (IsVector<Pointed<decltype(value)>>::value)
             return rows_of_axis.try_emplace(field.axis, value->size()).first->second == value->size();
           return true;
         },
@@ -177,15 +181,17 @@ std::size_t Array::element_size() const {
 StoredField encode(const Field& field) {
   StoredField stored{field.name, field.unit, field.help, field.axis, {}};
   std::visit(
-      [&](const auto* value) {
-        using Value = std::remove_cvref_t<decltype(*value)>;
+      [&](const auto& value) {
+        using Value = Pointed<decltype(value)>;
         Array& array = stored.value;
         const auto fill = [&]<class T>(const T* values, std::size_t count) {
           array.type = Stored<T>::type;
           if (Stored<T>::width > 1) array.shape.push_back(Stored<T>::width);
           store(values, count, array);
         };
-        if constexpr (IsVector<Value>::value) {
+        if constexpr (std::is_same_v<Value, std::function<Array()>>) {
+          array = value();
+        } else if constexpr (IsVector<Value>::value) {
           array.shape.push_back(value->size());
           fill(value->data(), value->size());
         } else {
@@ -195,6 +201,17 @@ StoredField encode(const Field& field) {
       field.data);
   return stored;
 }
+
+template <class T>
+Array make_rows(std::size_t rows, const std::function<void(T*)>& fill) {
+  Array array{.type = Stored<T>::type, .shape = {rows}, .bytes = std::vector<std::byte>(rows * sizeof(T))};
+  if (Stored<T>::width > 1) array.shape.push_back(Stored<T>::width);
+  fill(reinterpret_cast<T*>(array.bytes.data()));
+  return array;
+}
+template Array make_rows(std::size_t, const std::function<void(double*)>&);
+template Array make_rows(std::size_t, const std::function<void(Vec3*)>&);
+template Array make_rows(std::size_t, const std::function<void(std::uint32_t*)>&);
 
 std::vector<StoredField> encode(const FieldTable& table) {
   if (const std::string name = unequal_rows(table); !name.empty())
@@ -207,9 +224,11 @@ std::vector<StoredField> encode(const FieldTable& table) {
 
 void decode(const Array& array, const Field& field) {
   std::visit(
-      [&](auto* value) {
-        using Value = std::remove_cvref_t<decltype(*value)>;
-        if constexpr (IsVector<Value>::value) {
+      [&](const auto& value) {
+        using Value = Pointed<decltype(value)>;
+        if constexpr (std::is_same_v<Value, std::function<Array()>>) {
+          throw std::logic_error(fmt::format("field {} is only written", field.name));
+        } else if constexpr (IsVector<Value>::value) {
           require<typename Value::value_type>(array, true, field.name);
           value->resize(array.shape[0]);
           load(array, value->size(), value->data());

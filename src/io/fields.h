@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -12,20 +13,6 @@
 namespace cairn {
 
 using Vec3f = Eigen::Vector3f;  ///< single precision, for display only
-
-/// One named quantity. Vectors of Vec3 are stored as N x 3, of Quat as N x 4 (w, x, y, z).
-struct Field {
-  std::string name;  ///< "position"; a '/' makes groups: "contacts/slide"
-  std::string unit;  ///< "m/s"; empty: a pure number
-  std::string help;  ///< one line
-  std::variant<std::vector<double>*, std::vector<float>*, std::vector<Vec3>*, std::vector<Vec3f>*,
-               std::vector<Quat>*, std::vector<std::uint32_t>*, std::vector<std::uint16_t>*,
-               std::vector<std::uint8_t>*, std::vector<std::string>*, double*, std::uint64_t*, std::int64_t*,
-               bool*, Vec3*, Quat*, std::string*>
-      data;
-  std::string axis = {};  ///< what a row is, "sphere"; fields of one axis in one table have equally many rows
-};
-using FieldTable = std::vector<Field>;
 
 enum class ElementType { f64, f32, u64, i64, u32, u16, u8, text };
 
@@ -39,6 +26,20 @@ struct Array {
   std::uint64_t elements() const;
   std::size_t element_size() const;
 };
+
+/// One named quantity. Vectors of Vec3 are stored as N x 3, of Quat as N x 4 (w, x, y, z).
+struct Field {
+  std::string name;  ///< "position"; a '/' makes groups: "contacts/slide"
+  std::string unit;  ///< "m/s"; empty: a pure number
+  std::string help;  ///< one line
+  std::variant<std::vector<double>*, std::vector<float>*, std::vector<Vec3>*, std::vector<Vec3f>*,
+               std::vector<Quat>*, std::vector<std::uint32_t>*, std::vector<std::uint16_t>*,
+               std::vector<std::uint8_t>*, std::vector<std::string>*, double*, std::uint64_t*, std::int64_t*,
+               bool*, Vec3*, Quat*, std::string*, std::function<Array()>>
+      data;               ///< a function makes what is written, when it is; it cannot be read
+  std::string axis = {};  ///< what a row is, "sphere"; fields of one axis in one table have equally many rows
+};
+using FieldTable = std::vector<Field>;
 
 /// A copy of a field, independent of the vectors it came from.
 struct StoredField {
@@ -59,6 +60,10 @@ std::vector<StoredField> encode(const FieldTable& table);
 
 /// Copies one field.
 StoredField encode(const Field& field);
+
+/// An array of that many rows of T (double, Vec3 or std::uint32_t), which `fill` sets.
+template <class T>
+Array make_rows(std::size_t rows, const std::function<void(T*)>& fill);
 
 /// Sets what `field` points at; vectors are resized. Throws InputError ("position: ...") when type or shape
 /// differ from the field's.

@@ -77,7 +77,7 @@ void allocate(Array& array, std::uint64_t limit, const std::string& what) {
 /// What is small goes into the dataset's header, the rest into chunks; both carry checksums. One chunk where
 /// it is not too large, else equal ones, so that little is left over.
 PropertyList checked_layout(const Array& array) {
-  constexpr std::uint64_t largest_in_header = 4096, largest_chunk = 64u << 20;  // bytes
+  constexpr std::uint64_t largest_in_header = 4096, largest_chunk = 8u << 20;  // bytes
   PropertyList list(H5Pcreate(H5P_DATASET_CREATE), "layout");
   H5Pset_obj_track_times(list, false);  // equal content, equal bytes
   if (array.elements() == 0) return list;

@@ -57,7 +57,7 @@ Setup read_pile(const std::filesystem::path& path, const std::vector<Material>& 
   read_constants(file, state.bodies, setup.shapes);
   file.read_static("materials", {{"name", "", "", &names}});
   // A pile is its bodies and their contacts, whatever version of the program has made it, and how.
-  FieldTable fields = checkpoint_fields(state, contacts, walls);
+  FieldTable fields = checkpoint_fields(state, contacts.table(), walls);
   const std::vector<DatasetInfo> there = file.list("checkpoint");
   const bool volume = std::ranges::find(there, "region_volume", &DatasetInfo::name) != there.end();
   std::erase_if(fields, [&](const Field& field) {

@@ -38,27 +38,15 @@ FieldTable MemoryColumns::table(const std::string& prefix) {
 }
 
 void ContactColumns::assign(const std::vector<ContactRecord>& records) {
-  reserve(records.size());
-  for (const ContactRecord& r : records) push_back(r);
-}
-
-void ContactColumns::assign(const ContactList& contacts) {
-  reserve(contacts.contacts());
-  for (std::size_t slot = 0; slot < contacts.slots(); ++slot)
-    if (contacts.touching(slot)) push_back(contacts.record(slot));
-}
-
-void ContactColumns::reserve(std::size_t count) {
   *this = ContactColumns{};
-  i.reserve(count);
-  j.reserve(count);
-  memory.reserve(count);
-}
-
-void ContactColumns::push_back(const ContactRecord& r) {
-  i.push_back(r.i);
-  j.push_back(r.j);
-  memory.push_back(r.memory);
+  i.reserve(records.size());
+  j.reserve(records.size());
+  memory.reserve(records.size());
+  for (const ContactRecord& r : records) {
+    i.push_back(r.i);
+    j.push_back(r.j);
+    memory.push_back(r.memory);
+  }
 }
 
 std::vector<ContactRecord> ContactColumns::records() const {
@@ -68,10 +56,33 @@ std::vector<ContactRecord> ContactColumns::records() const {
   return out;
 }
 
-FieldTable ContactColumns::table(const std::string& prefix) {
+FieldTable ContactColumns::table() {
+  const std::string prefix = "contacts/";
   FieldTable fields = memory.table(prefix);
   fields.insert(fields.begin(),
                 {{prefix + "i", "", "sphere", &i, prefix}, {prefix + "j", "", "sphere", &j, prefix}});
+  return fields;
+}
+
+FieldTable contact_fields(const ContactList& contacts) {
+  const auto column = [&]<class T>(T (*of)(const ContactRecord&)) -> std::function<Array()> {
+    return [&contacts, of] {
+      return make_rows<T>(contacts.contacts(), [&](T* row) {
+        for (std::size_t slot = 0; slot < contacts.slots(); ++slot)
+          if (contacts.touching(slot)) *row++ = of(contacts.record(slot));
+      });
+    };
+  };
+  const std::function<Array()> columns[] = {
+      column(+[](const ContactRecord& r) { return r.i; }),
+      column(+[](const ContactRecord& r) { return r.j; }),
+      column(+[](const ContactRecord& r) { return r.memory.c_n; }),
+      column(+[](const ContactRecord& r) { return r.memory.c_s; }),
+      column(+[](const ContactRecord& r) -> Vec3 { return vector(r.memory.slide); }),
+      column(+[](const ContactRecord& r) -> Vec3 { return vector(r.memory.roll); }),
+      column(+[](const ContactRecord& r) { return r.memory.twist; })};
+  FieldTable fields = ContactColumns().table();
+  for (std::size_t k = 0; k < fields.size(); ++k) fields[k].data = columns[k];
   return fields;
 }
 
@@ -126,7 +137,7 @@ FieldTable motion_fields(Bodies& b) {
           {"angular_momentum", "kg m^2/s", "about the centre of mass", &b.spin, "body"}};
 }
 
-FieldTable checkpoint_fields(State& s, ContactColumns& contacts, WallColumns& walls) {
+FieldTable checkpoint_fields(State& s, const FieldTable& contacts, WallColumns& walls) {
   FieldTable table = motion_fields(s.bodies);
   const auto add = [&](const FieldTable& more) { table.insert(table.end(), more.begin(), more.end()); };
   add({{"position_remainder", "m", "what rounding has kept from position", &s.bodies.remainder, "body"},
@@ -203,7 +214,7 @@ FieldTable checkpoint_fields(State& s, ContactColumns& contacts, WallColumns& wa
        {"ledger/start_angular_momentum", "kg m^2/s", "total at the start, about the mass centre",
         &s.ledger.start_angular_momentum},
        {"stiffness", "N/m", "normal stiffness of the stage", &s.k_n}});
-  add(contacts.table("contacts/"));
+  add(contacts);
   add(walls.table("walls/"));
   return table;
 }

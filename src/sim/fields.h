@@ -25,15 +25,12 @@ struct ContactColumns {
   MemoryColumns memory;
 
   void assign(const std::vector<ContactRecord>& records);
-  void assign(const ContactList& contacts);
   std::vector<ContactRecord> records() const;
-  /// Fields under `prefix`.
-  FieldTable table(const std::string& prefix);
-
- private:
-  void reserve(std::size_t count);
-  void push_back(const ContactRecord& record);
+  FieldTable table();
 };
+
+/// The same fields, to be written only: each is made when its turn comes, for there may be many contacts.
+FieldTable contact_fields(const ContactList& contacts);
 
 /// Contacts with walls as columns.
 struct WallColumns {
@@ -53,8 +50,8 @@ FieldTable sphere_constants(Bodies& bodies);
 /// Poses and momenta.
 FieldTable motion_fields(Bodies& bodies);
 
-/// The whole state but for constants; contacts go through the columns.
-FieldTable checkpoint_fields(State& state, ContactColumns& contacts, WallColumns& walls);
+/// The whole state but for constants, with these fields of contacts.
+FieldTable checkpoint_fields(State& state, const FieldTable& contacts, WallColumns& walls);
 
 /// Reads the constants of bodies and spheres, those that they have now or had in an earlier epoch, and the
 /// names of their shapes, checks that they fit together, and makes room for what is derived from them.

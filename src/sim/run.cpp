@@ -122,7 +122,7 @@ Run Run::resume(const std::filesystem::path& path, Operation operation) {
   read_constants(run.results_, state.bodies, run.shapes_);
   ContactColumns contacts;
   WallColumns walls;
-  run.results_.read_checkpoint(checkpoint_fields(state, contacts, walls));
+  run.results_.read_checkpoint(checkpoint_fields(state, contacts.table(), walls));
   check_checkpoint(path, run.scene_, state);
   if (const std::vector<double> periods = run.results_.read_series("period"); !periods.empty())
     run.last_.period = periods.back();  // snapshots repeat it
@@ -267,14 +267,13 @@ void Run::add_snapshot() {
 
 void Run::commit(bool last) {
   ScopedTimer timer(scratch_.times[static_cast<std::size_t>(Phase::output)]);
-  ContactColumns contacts;
+  const bool within = state_.clock.steps > 0;  // a stage; otherwise contacts wait for the next
+  ContactColumns inherited;
+  if (!within) inherited.assign(inherited_);
   WallColumns walls;
-  if (state_.clock.steps > 0)
-    contacts.assign(state_.contacts);
-  else
-    contacts.assign(inherited_);
-  walls.assign(state_.clock.steps > 0 ? state_.walls.numbered_contacts() : state_.walls.contacts);
-  const FieldTable table = checkpoint_fields(state_, contacts, walls);
+  walls.assign(within ? state_.walls.numbered_contacts() : state_.walls.contacts);
+  const FieldTable table =
+      checkpoint_fields(state_, within ? contact_fields(state_.contacts) : inherited.table(), walls);
   if (last)
     results_.finish(table, kFinished);
   else

@@ -346,6 +346,7 @@ void begin_stage(const Physics& physics, std::vector<ContactRecord> contacts, St
   choose_accuracy(physics, state, scratch);
   prepare_scratch(physics, state, scratch);
   state.contacts.restore(contacts);
+  give_back(contacts);  // gravity needs the room
   for (std::size_t slot = 0; slot < state.contacts.slots(); ++slot)
     if (state.contacts.touching(slot)) set_damping(bodies, physics.contacts, state.contacts, slot);
   state.walls.renew_damping(bodies, physics.contacts, state.clock.time());
@@ -414,6 +415,7 @@ double gravitational_energy(const Physics& physics, const State& state, Scratch&
   place_in_pile(bodies, rigid_motion(state).center, gravity::attitude_at(state.gravity, state.clock.time()),
                 scratch);
   attract(physics, bodies, scratch, potential);
+  if (n > kManySpheres) free_gravity(physics, scratch);
   return 0.5 * parallel_sum(n, 0.0, [&](std::size_t s) { return bodies.spheres.mass[s] * potential[s]; });
 }
 

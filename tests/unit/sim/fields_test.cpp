@@ -80,12 +80,12 @@ TEST(Checkpoint, HoldsTheWholeState) {
   for (const ContactRecord& r : two_contacts(100.0)) touches.push_back({r.i, r.j, r.i + 7, r.memory});
   walls.assign(touches);
   ResultFile file = ResultFile::create(folder / "state.h5", {}, false);
-  file.commit(checkpoint_fields(s, contacts, walls));
+  file.commit(checkpoint_fields(s, contacts.table(), walls));
 
   State r;
   ContactColumns contacts_read;
   WallColumns walls_read;
-  file.read_checkpoint(checkpoint_fields(r, contacts_read, walls_read));
+  file.read_checkpoint(checkpoint_fields(r, contacts_read.table(), walls_read));
   expect_same(contacts_read.records(), two_contacts(1.0));
   std::vector<ContactRecord> walls_back;
   for (const WallContact& w : walls_read.contacts()) {

@@ -97,8 +97,8 @@ TEST(Run, StoppedAndResumedOnAFloorGivesTheSameBits) {
   State a, b;
   ContactColumns contacts_a, contacts_b;
   WallColumns walls_a, walls_b;
-  whole.read_checkpoint(checkpoint_fields(a, contacts_a, walls_a));
-  pieces.read_checkpoint(checkpoint_fields(b, contacts_b, walls_b));
+  whole.read_checkpoint(checkpoint_fields(a, contacts_a.table(), walls_a));
+  pieces.read_checkpoint(checkpoint_fields(b, contacts_b.table(), walls_b));
   EXPECT_EQ(a.bodies.position, b.bodies.position);
   EXPECT_EQ(a.bodies.spin, b.bodies.spin);
   EXPECT_GE(walls_a.memory.slide.size(), 3u);  // both bodies are on the floor
