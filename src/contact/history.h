@@ -99,7 +99,7 @@ class ContactList {
   /// memory; small ones, so that there is work for all threads.
   static std::size_t block_size(std::size_t spheres);
   /// The blocks, and one that only says where they end.
-  std::vector<ContactBlock> blocks;
+  std::vector<ContactBlock> blocks{1};
   std::size_t block_count() const { return blocks.size() - 1; }
   std::vector<std::uint32_t> sources;  ///< of blocks
   /// Shares of sphere s from earlier blocks: shares[earlier[k]] from k = earlier_begin[s] on, in order.

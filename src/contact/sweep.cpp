@@ -539,13 +539,18 @@ void apply_partial_kicks(const ContactList& contacts, Bodies& bodies) {
 double stored_energy(const Bodies& bodies, const SweepSettings& settings, const ContactList& contacts) {
   const Spheres& spheres = bodies.spheres;
   return with_features(settings.features, [&]<Features F>() {
-    return parallel_sum(contacts.slots(), 0.0, [&](std::size_t slot) {
-      if (!contacts.touching(slot)) return 0.0;
-      const Pair& p = contacts.pair(slot);
-      const double ri = spheres.radius[p.i], rj = spheres.radius[p.j];
-      const double overlap = ri + rj - separation(spheres, contacts, slot).norm();
-      return stored_energy<F>(LawConstants<double>(law_of(bodies, settings, p)), overlap, ri * rj / (ri + rj),
-                              contacts.memory(slot));
+    // By blocks, which do not depend on the candidates: these are others after a restart.
+    return parallel_block_sum(contacts.block_count(), 1, 0.0, [&](std::size_t k, std::size_t) {
+      double energy = 0.0;
+      for (std::uint32_t slot = contacts.blocks[k].slot; slot < contacts.blocks[k + 1].slot; ++slot) {
+        if (!contacts.touching(slot)) continue;
+        const Pair& p = contacts.pair(slot);
+        const double ri = spheres.radius[p.i], rj = spheres.radius[p.j];
+        const double overlap = ri + rj - separation(spheres, contacts, slot).norm();
+        energy += stored_energy<F>(LawConstants<double>(law_of(bodies, settings, p)), overlap,
+                                   ri * rj / (ri + rj), contacts.memory(slot));
+      }
+      return energy;
     });
   });
 }
