@@ -104,14 +104,15 @@ void check(const Options& options) {
           k_n / held);
     held = k_n;
   }
-  if (!trial) return;                         // operations only
-  constexpr double bytes_per_sphere = 900.0;  // spheres, bodies, and six contacts with their histories
+  if (!trial) return;  // operations only
+  // At the peak, with six contacts a sphere: while a checkpoint is written (see tests/BENCHMARKS.md).
+  constexpr double program = 3e7, bytes_per_sphere = 1500.0;
   const auto spheres = static_cast<double>(bodies.spheres.size());
   fmt::print(
-      "memory about {:.0f} MB; about {:.3g} min at the speed of the first steps ({:.2f} M sphere-steps/s on "
+      "memory up to {:.0f} MB; about {:.3g} min at the speed of the first steps ({:.2f} M sphere-steps/s on "
       "{} threads{})\n",
-      1e-6 * bytes_per_sphere * spheres, seconds / 60.0, 1e-6 * spheres / trial->step, omp_get_max_threads(),
-      trial->coordination < 2.0 ? "; dense piles have more contacts than clouds" : "");
+      1e-6 * (program + bytes_per_sphere * spheres), seconds / 60.0, 1e-6 * spheres / trial->step,
+      omp_get_max_threads(), trial->coordination < 2.0 ? "; dense piles have more contacts than clouds" : "");
 }
 
 }  // namespace
