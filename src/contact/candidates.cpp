@@ -109,9 +109,7 @@ void Candidates::rebuild(const Bodies& bodies, const RigidMotion& motion, const 
   const std::size_t near = pairs_.size();
   for (std::size_t slot = 0; slot < contacts.slots(); ++slot)
     if (contacts.touching(slot)) pairs_.push_back(contacts.pair(slot));
-  const auto before = [](const Pair& a, const Pair& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; };
-  std::inplace_merge(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(near), pairs_.end(),
-                     before);
+  std::inplace_merge(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(near), pairs_.end());
   pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
   const bool many = spheres.size() > kManySpheres;
   if (many) search_ = NearPairs();

@@ -90,8 +90,7 @@ void NearPairs::find_in_box(const Bodies& bodies, const Box& box, std::span<cons
     const std::uint32_t i = p.i, j = original_[p.j];
     p = {std::min(i, j), std::max(i, j)};
   }
-  std::sort(pairs.begin(), pairs.end(),
-            [](const Pair& a, const Pair& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; });
+  std::sort(pairs.begin(), pairs.end());
 }
 
 }  // namespace cairn

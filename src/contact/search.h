@@ -1,6 +1,7 @@
 // Neighbour search: pairs of spheres of different bodies whose surfaces are close.
 #pragma once
 
+#include <compare>
 #include <memory>
 #include <span>
 #include <vector>
@@ -12,7 +13,7 @@ namespace cairn {
 /// Two spheres, i < j.
 struct Pair {
   std::uint32_t i, j;
-  bool operator==(const Pair&) const = default;
+  auto operator<=>(const Pair&) const = default;  // by i, then j
 };
 
 /// Whether the vector (x, y, z) is shorter than limit (m, limit >= 0), decided on the squares in double

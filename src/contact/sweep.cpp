@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 
+#include "contact/batch.h"
 #include "contact/law/law.h"
 #include "contact/law/partial.h"
 #include "core/memory.h"
@@ -25,79 +26,6 @@ Vec3 separation(const Spheres& spheres, const ContactList& contacts, std::size_t
   return spheres.position[p.j] - spheres.position[p.i] + contacts.shift_of(slot);
 }
 
-/// The motions of eight spheres, transposed.
-struct MotionBatch {
-  Triple<Batch> position, velocity_mid, spin_mid, velocity, spin;
-  Batch radius;
-};
-
-CAIRN_INLINE MotionBatch load_motions(const std::vector<SphereMotion>& motions,
-                                      const std::uint32_t (&index)[kLanes]) {
-  const double *low[kLanes], *high[kLanes];
-  for (std::size_t l = 0; l < kLanes; ++l) {
-    low[l] = motions[index[l]].position;
-    high[l] = low[l] + 8;
-  }
-  Batch a[kLanes], b[kLanes];
-  load_transposed(low, a);
-  load_transposed(high, b);
-  return {.position = {a[0], a[1], a[2]},
-          .velocity_mid = {a[4], a[5], a[6]},
-          .spin_mid = {a[7], b[0], b[1]},
-          .velocity = {b[2], b[3], b[4]},
-          .spin = {b[5], b[6], b[7]},
-          .radius = a[3]};
-}
-
-/// The slots of eight contacts; in a quiet packing they usually follow each other.
-struct Slots {
-  std::uint32_t index[kLanes];
-  bool consecutive;
-
-  std::uint32_t operator[](std::size_t lane) const { return index[lane]; }
-};
-
-CAIRN_INLINE Batch gather(const std::vector<double>& from, const Slots& slot) {
-  Batch out;
-  if (slot.consecutive)
-    __builtin_memcpy(&out, &from[slot[0]], sizeof out);
-  else
-    for (std::size_t l = 0; l < kLanes; ++l) out.v[l] = from[slot[l]];
-  return out;
-}
-
-/// The springs of eight contacts; what F lacks is neither read nor written.
-template <Features F>
-CAIRN_INLINE void load_springs(const ContactList& contacts, const Slots& slot, ContactMemory<Batch>& m) {
-  const double* rows[kLanes];
-  Batch a[4];
-  if constexpr (F.tangential) {
-    for (std::size_t l = 0; l < kLanes; ++l) rows[l] = contacts.slide[slot[l]].length;
-    load_transposed(rows, a);
-    m.slide = {a[0], a[1], a[2]};
-    m.c_s = a[3];
-  }
-  if constexpr (F.rolling || F.twisting) {
-    for (std::size_t l = 0; l < kLanes; ++l) rows[l] = contacts.turn[slot[l]].roll;
-    load_transposed(rows, a);
-    m.roll = {a[0], a[1], a[2]};
-    m.twist = a[3];
-  }
-}
-
-template <Features F>
-CAIRN_INLINE void store_springs(ContactList& contacts, const Slots& slot, const ContactMemory<Batch>& m) {
-  double* rows[kLanes];
-  if constexpr (F.tangential) {
-    for (std::size_t l = 0; l < kLanes; ++l) rows[l] = contacts.slide[slot[l]].length;
-    store_transposed({m.slide.x, m.slide.y, m.slide.z, m.c_s}, rows);
-  }
-  if constexpr (F.rolling || F.twisting) {
-    for (std::size_t l = 0; l < kLanes; ++l) rows[l] = contacts.turn[slot[l]].roll;
-    store_transposed({m.roll.x, m.roll.y, m.roll.z, m.twist}, rows);
-  }
-}
-
 LawConstants<Batch> gather_laws(const Bodies& bodies, const SweepSettings& settings,
                                 const ContactList& contacts, const Slots& slot) {
   LawConstants<Batch> out;
@@ -113,17 +41,6 @@ LawConstants<Batch> gather_laws(const Bodies& bodies, const SweepSettings& setti
   }
   return out;
 }
-
-/// Wrenches of eight contacts on their spheres i, and less those on j.
-struct WrenchBatch {
-  Triple<Batch> force, torque_i, less_torque_j;
-
-  ContactWrench of(std::size_t l) const {
-    return {{force.x[l], force.y[l], force.z[l]},
-            {torque_i.x[l], torque_i.y[l], torque_i.z[l]},
-            {-less_torque_j.x[l], -less_torque_j.y[l], -less_torque_j.z[l]}};
-  }
-};
 
 void add_first_touches(const ContactList& contacts, const Slots& slot, Mask fresh, const WrenchBatch& wrench,
                        const ContactGeometry<Batch>& geometry, Batch age, Batch k_n, double dt,

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "contact/candidates.h"
 #include "core/random.h"
@@ -277,8 +276,7 @@ TEST(StoredEnergy, DependsOnContactsOnlyToTheLastBit) {
     pairs.push_back(p);
     if (p.j < 600) pairs.push_back({p.i, p.j + 399});
   }
-  const auto before = [](const Pair& a, const Pair& b) { return std::tie(a.i, a.j) < std::tie(b.i, b.j); };
-  std::sort(pairs.begin(), pairs.end(), before);
+  std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   many.rebuild(pairs, bodies, kNormal);
   for (const Pair& p : touching) records.push_back({p.i, p.j, {1.0, 0.0, {}, {}, 0.0}});
