@@ -7,14 +7,14 @@
 
 namespace cairn {
 
-Coordination coordination(const Bodies& bodies, const Box& box) {
+Coordination coordination(const Bodies& bodies, const Box& box, std::span<const WallContact> on_walls) {
   const Spheres& spheres = bodies.spheres;
   const double gap = 1e-9 * *std::min_element(spheres.radius.begin(), spheres.radius.end());
   std::vector<Pair> pairs;
   NearPairs search;
   search.find(bodies, box, gap, pairs);
   Coordination out;
-  out.contacts = pairs.size();
+  out.contacts = pairs.size() + on_walls.size();
   std::vector<std::uint32_t> touches(bodies.size(), 0);
   std::vector<std::uint64_t> body_pairs;
   for (const Pair& p : pairs) {
@@ -30,11 +30,13 @@ Coordination coordination(const Bodies& bodies, const Box& box) {
                            std::min(spheres.radius[p.i], spheres.radius[p.j]);
     out.largest_overlap = std::max(out.largest_overlap, overlap);
   }
+  for (const WallContact& c : on_walls) ++touches[spheres.body[c.sphere]];
   std::sort(body_pairs.begin(), body_pairs.end());
   out.body_pairs =
       static_cast<std::size_t>(std::unique(body_pairs.begin(), body_pairs.end()) - body_pairs.begin());
-  out.per_sphere = 2.0 * static_cast<double>(out.contacts) / static_cast<double>(spheres.size());
-  out.per_body = 2.0 * static_cast<double>(out.contacts) / static_cast<double>(bodies.size());
+  const auto sides = static_cast<double>(2 * pairs.size() + on_walls.size());
+  out.per_sphere = sides / static_cast<double>(spheres.size());
+  out.per_body = sides / static_cast<double>(bodies.size());
   out.neighbours = 2.0 * static_cast<double>(out.body_pairs) / static_cast<double>(bodies.size());
   out.free_bodies = static_cast<std::size_t>(std::count(touches.begin(), touches.end(), 0u));
   out.hanging_bodies = static_cast<std::size_t>(std::count(touches.begin(), touches.end(), 1u));

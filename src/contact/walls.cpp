@@ -332,6 +332,16 @@ double Walls::stored_energy(const Bodies& bodies, const SweepSettings& settings,
   return energy;
 }
 
+double Walls::largest_overlap(const Bodies& bodies, double time) const {
+  const std::vector<WallPose> now = poses(time);
+  double ratio = 0.0;
+  for (const WallContact& c : contacts) {
+    const Vec3 y = now[c.wall].to_wall(bodies.spheres.position[c.sphere]);
+    ratio = std::max(ratio, 1.0 - walls[c.wall].extend(c.feature, y).arm / bodies.spheres.radius[c.sphere]);
+  }
+  return ratio;
+}
+
 std::vector<WallContact> Walls::numbered_contacts() const {
   std::vector<WallContact> out = contacts;
   if (!number.empty())

@@ -49,6 +49,8 @@ class Walls {
   void renew_damping(const Bodies& bodies, const SweepSettings& settings, double time);
   /// Energy (J) in the springs of the contacts.
   double stored_energy(const Bodies& bodies, const SweepSettings& settings, double time) const;
+  /// Greatest overlap over the sphere's radius; 0 without contacts.
+  double largest_overlap(const Bodies& bodies, double time) const;
   /// @throws InputError when the contacts, read from a file, are not of these walls and spheres.
   void check_contacts(std::size_t spheres) const;
 

@@ -9,6 +9,7 @@
 #include "analysis/fragments.h"
 #include "analysis/spin_state.h"
 #include "motion/spin.h"
+#include "sim/agitation.h"
 
 namespace cairn {
 
@@ -56,8 +57,8 @@ constexpr Column kColumns[] = {
     {&O::angular_drift, "angular_momentum_drift", "",
      "|L - L_start - given by control and perturbers| over the sum of |X x P| + |spin|; NaN with walls or a "
      "box"},
-    {&O::contacts, "contacts", "", "touching pairs of spheres, walls included"},
-    {&O::coordination, "coordination", "", "2 x sphere contacts / spheres"},
+    {&O::contacts, "contacts", "", "touching pairs of spheres, and of a sphere and a wall"},
+    {&O::coordination, "coordination", "", "mean contacts of a sphere, those with walls included"},
     {&O::touching_bodies, "touching_bodies", "", "pairs of bodies that touch, each once"},
     {&O::largest_overlap, "largest_overlap", "", "over the smaller radius of its pair, since the row before"},
     {&O::remnant_mass_fraction, "remnant_mass_fraction", "", "mass of the largest remnant over all"},
@@ -109,15 +110,6 @@ void observe_remnant(State& state, double link_gap, Observation& o) {
   o.fragments = static_cast<double>(fragments.size());
 }
 
-/// Energy (J) of the rigid motion that has the bodies' momentum and angular momentum; images cannot turn, and
-/// between walls no motion counts as rigid.
-double rigid_energy(const State& state) {
-  if (!state.walls.empty()) return 0.0;
-  const SpinState whole = spin_state(state.bodies, all_bodies(state.bodies));
-  const double moving = 0.5 * whole.mass * whole.velocity.squaredNorm();
-  return state.box.periodic() ? moving : moving + 0.5 * rotation_rate(whole).dot(whole.angular_momentum);
-}
-
 }  // namespace
 
 std::vector<SeriesColumn> series_columns() {
@@ -150,7 +142,7 @@ Observation observe(const Physics& physics, State& state, Scratch& scratch, doub
   const Budget total = budget(bodies);
   o.kinetic = total.translational_energy;
   o.rotational = total.rotational_energy;
-  o.agitation = total.translational_energy + total.rotational_energy - rigid_energy(state);
+  o.agitation = agitation(state, total);
   o.gravitational = gravitational_energy(physics, state, scratch);
   o.elastic = stored_energy(bodies, physics.contacts, state.contacts) +
               state.walls.stored_energy(bodies, physics.contacts, o.time);
@@ -182,9 +174,9 @@ Observation observe(const Physics& physics, State& state, Scratch& scratch, doub
           ? none
           : relative((l - ledger.start_angular_momentum - turned).norm(), total.angular_scale_about_center);
 
-  const std::size_t contacts = state.contacts.contacts();
-  o.coordination = 2.0 * static_cast<double>(contacts) / static_cast<double>(bodies.spheres.size());
-  o.contacts = static_cast<double>(contacts + state.walls.contacts.size());
+  const std::size_t pairs = state.contacts.contacts(), on_walls = state.walls.contacts.size();
+  o.coordination = static_cast<double>(2 * pairs + on_walls) / static_cast<double>(bodies.spheres.size());
+  o.contacts = static_cast<double>(pairs + on_walls);
   o.touching_bodies = static_cast<double>(touching_body_pairs(state));
   o.largest_overlap = ledger.recent_overlap;
   ledger.recent_overlap = 0.0;

@@ -245,6 +245,7 @@ void Run::add_snapshot() {
       ++touching[state_.contacts.pair(slot).i];
       ++touching[state_.contacts.pair(slot).j];
     }
+  for (const WallContact& c : state_.walls.contacts) ++touching[c.sphere];
   if (state_.clock.steps == 0)  // after an operation
     for (const ContactRecord& c : inherited_) {
       ++touching[c.i];
@@ -259,7 +260,7 @@ void Run::add_snapshot() {
                    "centre, from origin, for display; in the periodic box the image in it", &display.spheres,
                    "sphere"});
   table.push_back({"sphere_velocity", "m/s", "of the centre, for display", &display.velocities, "sphere"});
-  table.push_back({"sphere_contacts", "", "number of touching spheres", &touching, "sphere"});
+  table.push_back({"sphere_contacts", "", "number of touching spheres and walls", &touching, "sphere"});
   table.push_back({"period", "s", "spin period of the largest remnant", &last_.period});
   table.push_back({"failed", "", "the pile has failed", &state_.control.failed});
   results_.add_snapshot(state_.clock.time(), scene_.stages[state_.clock.stage].name, table, epoch_);

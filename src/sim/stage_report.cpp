@@ -8,11 +8,11 @@
 #include <numeric>
 
 #include "analysis/axes.h"
-#include "analysis/budget.h"
 #include "analysis/coordination.h"
 #include "analysis/fragments.h"
 #include "analysis/packing.h"
 #include "analysis/spin_state.h"
+#include "sim/agitation.h"
 
 namespace cairn {
 
@@ -36,15 +36,15 @@ constexpr Column kColumns[] = {
     {&R::eta_inter, "eta_inter", "", "volume of bodies within it over that of their plain Voronoi cells"},
     {&R::eta_radical, "eta_radical", "", "the same with radical cells"},
     {&R::eta_mean, "eta_mean", "", "mean of volume over plain cells of these bodies"},
-    {&R::coordination, "coordination", "", "2 x sphere contacts / spheres"},
-    {&R::body_contacts, "body_contacts", "", "2 x sphere contacts / bodies"},
+    {&R::coordination, "coordination", "", "mean contacts of a sphere, those with walls included"},
+    {&R::body_contacts, "body_contacts", "", "mean contacts of a body, those with walls included"},
     {&R::body_neighbours, "body_neighbours", "", "2 x touching pairs of bodies / bodies"},
     {&R::free_bodies, "free_bodies", "", "bodies without contact"},
     {&R::hanging_bodies, "hanging_bodies", "", "bodies with one contact"},
-    {&R::overlap, "overlap", "", "largest, over the smaller radius of its pair"},
+    {&R::overlap, "overlap", "", "largest, over the smaller radius of its pair, or on a wall"},
     {&R::groups, "groups", "", "of connected bodies"},
     {&R::outside, "outside", "", "bodies that are not part of the largest group"},
-    {&R::speed, "speed", "m/s", "rms, without that of the rigid motion"},
+    {&R::speed, "speed", "m/s", "rms; without walls, less that of the rigid motion"},
     {&R::period, "period", "s", "of the spin of the largest group about z"},
 };
 
@@ -71,11 +71,7 @@ StageReport measure(const State& state, double link_gap, double interior) {
   r.outside = r.bodies - static_cast<double>(largest.size());
   const SpinState spin = spin_state(bodies, largest);
   r.period = spin_period(spin, Vec3::UnitZ());
-  const SpinState whole = spin_state(bodies, all_bodies(bodies));
-  const double rigid = 0.5 * whole.mass * whole.velocity.squaredNorm() +
-                       0.5 * rotation_rate(whole).dot(whole.angular_momentum);
-  const double agitation = total.translational_energy + total.rotational_energy - rigid;
-  r.speed = std::sqrt(2.0 * std::max(agitation, 0.0) / total.mass);
+  r.speed = std::sqrt(2.0 * std::max(agitation(state, total), 0.0) / total.mass);
 
   r.interior = interior > 0.0 ? interior : 0.375 * axis_lengths(bodies, largest).c;
   const bool told = largest.size() >= kFewest && !state.box.periodic();
@@ -86,13 +82,15 @@ StageReport measure(const State& state, double link_gap, double interior) {
   r.eta_radical = packing.total_radical;
   r.eta_mean = packing.mean;
 
-  const Coordination touching = coordination(bodies, state.box);
+  const Coordination touching = coordination(bodies, state.box, state.walls.contacts);
   r.coordination = touching.per_sphere;
   r.body_contacts = touching.per_body;
   r.body_neighbours = touching.neighbours;
   r.free_bodies = static_cast<double>(touching.free_bodies);
   r.hanging_bodies = static_cast<double>(touching.hanging_bodies);
   r.overlap = touching.largest_overlap;
+  if (state.clock.steps > 0)  // an operation has no walls of its own
+    r.overlap = std::max(r.overlap, state.walls.largest_overlap(bodies, r.time));
   return r;
 }
 

@@ -30,7 +30,7 @@ struct StageReport {
   double overlap = 0.0;  ///< largest now, over the smaller radius
   double groups = 0.0;   ///< of connected bodies
   double outside = 0.0;  ///< bodies that are not part of the largest group
-  double speed = 0.0;    ///< m/s, rms, without that of the rigid motion
+  double speed = 0.0;    ///< m/s, rms, see agitation
   double period = 0.0;   ///< s
 };
 

@@ -93,7 +93,7 @@ TEST(Observe, WallsCountAsContactsAndEndConservation) {
   Sight sight("[[wall]]\nkind = 'plane'\npoint = [0, 0, -0.995]\n");
   const Observation o = sight.look();
   EXPECT_EQ(o.contacts, 2.0 + 5.0);
-  EXPECT_DOUBLE_EQ(o.coordination, 4.0 / 5.0);
+  EXPECT_DOUBLE_EQ(o.coordination, (4.0 + 5.0) / 5.0);
   EXPECT_NEAR(o.elastic, 2.0 * 0.5 * 1e6 * 1e-4 + 5.0 * 0.5 * 1e6 * 25e-6, 1e-6);
   EXPECT_TRUE(std::isnan(o.momentum_drift));
   EXPECT_TRUE(std::isnan(o.angular_drift));

@@ -122,6 +122,65 @@ duration = 1
   EXPECT_EQ(walls.contacts[0].sphere, 3u);
 }
 
+TEST(Stages, NoMotionAboveAWallCountsAsRigid) {
+  const Folder folder;
+  const std::vector<StageReport> reports = run(R"(
+[[body]]
+shape = "sphere"
+density = 2000
+[[wall]]
+kind = "plane"
+[gravity]
+method = "none"
+field = [0, 0, -1]
+[[stage]]
+name = "fall"
+duration = 3
+)",
+                                               [] {
+                                                 cairn::Setup setup = balls({{0.0, 0.0, 50.0}});
+                                                 setup.bodies.velocity[0] = {3.0, 0.0, 0.0};
+                                                 return setup;
+                                               }(),
+                                               folder / "run.h5");
+  EXPECT_NEAR(reports[0].speed, std::sqrt(3.0 * 3.0 + 3.0 * 3.0), 1e-9);
+}
+
+// Two balls press on each other and on the floor, a third one lies apart.
+TEST(Stages, ContactsWithWallsCountWhereverContactsAreCounted) {
+  const Folder folder;
+  const std::vector<StageReport> reports =
+      run(R"(
+[[body]]
+shape = "sphere"
+density = 2000
+[[wall]]
+kind = "plane"
+[gravity]
+method = "none"
+[contact]
+stiffness = 1e7
+[[stage]]
+name = "look"
+duration = 1e-5
+)",
+          balls({{0.0, 0.0, 0.99}, {1.995, 0.0, 0.99}, {9.0, 0.0, 0.99}}), folder / "run.h5");
+  const StageReport& r = reports[0];
+  EXPECT_NEAR(r.coordination, 5.0 / 3.0, 1e-15);
+  EXPECT_NEAR(r.body_contacts, 5.0 / 3.0, 1e-15);
+  EXPECT_NEAR(r.body_neighbours, 2.0 / 3.0, 1e-15);
+  EXPECT_EQ(r.free_bodies, 0.0);
+  EXPECT_EQ(r.hanging_bodies, 1.0);
+  EXPECT_NEAR(r.overlap, 0.01, 1e-6);  // on the floor; of the two balls it is 0.005
+  const ResultFile file = ResultFile::open(folder / "run.h5");
+  EXPECT_EQ(file.read_series("contacts").back(), 4.0);
+  EXPECT_NEAR(file.read_series("coordination").back(), 5.0 / 3.0, 1e-15);
+  EXPECT_NEAR(file.read_series("largest_overlap").front(), 0.01, 1e-6);
+  std::vector<std::uint16_t> touching;
+  file.read_snapshot(1, {{"sphere_contacts", "", "", &touching, "sphere"}});
+  EXPECT_EQ(touching, (std::vector<std::uint16_t>{2, 2, 1}));
+}
+
 TEST(Stages, EndWhenQuietAndSaySo) {
   const Folder folder;
   cairn::Setup setup = balls({{-5.0, 0.0, 0.0}, {5.0, 0.0, 0.0}});
