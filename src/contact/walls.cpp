@@ -22,6 +22,13 @@ struct Meeting {
   bool remembers = false;  // has a history
 };
 
+/// What comes of one block of bodies.
+struct Tally {
+  WallReport report;
+  std::vector<WallLoad> loads;        // of each wall; empty: nothing touches
+  std::vector<WallContact> contacts;  // that remain
+};
+
 bool in_order(const WallContact& a, const WallContact& b) {
   return std::tuple(a.sphere, a.wall, a.feature) < std::tuple(b.sphere, b.wall, b.feature);
 }
@@ -50,17 +57,15 @@ class Walls::Sweeper {
       if (!walls.walls[w].mesh() && walls.walls[w].motion.moves()) moving_.push_back(w);
   }
 
-  /// Spheres [begin, end); the contacts that remain are written to `contacts`.
+  /// Spheres [begin, end); the contacts that remain are written to the tally.
   template <Features F>
-  WallReport run(std::uint32_t begin, std::uint32_t end, const std::vector<WallCandidates::Entry>& entries,
-                 std::vector<WallContact>& contacts) const {
+  void run(std::uint32_t begin, std::uint32_t end, const std::vector<WallCandidates::Entry>& entries,
+           Tally& tally) const {
     static thread_local std::vector<Meeting> meetings;
     const std::vector<WallContact>& before = walls_.contacts;
     auto old = std::lower_bound(before.begin(), before.end(), begin,
                                 [](const WallContact& c, std::uint32_t s) { return c.sphere < s; });
     auto entry = entries.begin();
-    WallReport report;
-    contacts.clear();
     for (std::uint32_t s = begin; s < end; ++s) {
       const auto first_entry = entry;
       while (entry != entries.end() && entry->sphere == s) ++entry;
@@ -68,13 +73,13 @@ class Walls::Sweeper {
       while (old != before.end() && old->sphere == s) ++old;
       find_meetings(s, {first_entry, entry}, meetings);
       if (meetings.empty() && first_old == old) continue;
-      match<F>({first_old, old}, meetings, report);
+      tally.loads.resize(walls_.walls.size());
+      match<F>({first_old, old}, meetings, tally);
       for (Meeting& m : meetings) {
-        act<F>(m, report);
-        contacts.push_back(m.contact);
+        act<F>(m, tally);
+        tally.contacts.push_back(m.contact);
       }
     }
-    return report;
   }
 
  private:
@@ -122,7 +127,7 @@ class Walls::Sweeper {
 
   /// Gives the meetings the histories of the contacts that they continue; contacts that none continues end.
   template <Features F>
-  void match(std::span<const WallContact> before, std::vector<Meeting>& meetings, WallReport& report) const {
+  void match(std::span<const WallContact> before, std::vector<Meeting>& meetings, Tally& tally) const {
     static thread_local std::vector<const WallContact*> left;
     left.clear();
     for (const WallContact& c : before) {
@@ -155,21 +160,23 @@ class Walls::Sweeper {
       m.remembers = true;
       left.erase(best);
     }
-    for (const WallContact* c : left) part<F>(*c, report);
+    for (const WallContact* c : left) part<F>(*c, tally);
   }
 
   /// An impulse on the body of a sphere at a point of a wall.
   void kick(std::uint32_t s, std::uint32_t wall, const Vec3& c, const Vec3& impulse, const Vec3& couple,
-            WallReport& report) const {
+            Tally& tally) const {
     const std::uint32_t b = bodies_.spheres.body[s];
     bodies_.velocity[b] += impulse / bodies_.mass[b];
     bodies_.spin[b] += (c - bodies_.position[b]).cross(impulse) + couple;
-    report.kicked += impulse.dot(end_[wall].velocity_at(c)) + couple.dot(end_[wall].spin);
+    tally.report.kicked += impulse.dot(end_[wall].velocity_at(c)) + couple.dot(end_[wall].spin);
+    tally.loads[wall].kick -= impulse;
+    tally.loads[wall].angular_kick -= (c - end_[wall].pivot()).cross(impulse) + couple;
   }
 
   /// Ends a contact: its springs' energy is lost.
   template <Features F>
-  void part(const WallContact& contact, WallReport& report) const {
+  void part(const WallContact& contact, Tally& tally) const {
     const Wall& wall = walls_.walls[contact.wall];
     const WallPose &end = end_[contact.wall], &middle = middle_[contact.wall];
     const std::uint32_t s = contact.sphere;
@@ -184,15 +191,15 @@ class Walls::Sweeper {
       const Vec3 along = middle.velocity_at(x_mid + touch_mid.arm * n_mid) - vector(motion(s).velocity_mid);
       const Parting parting =
           cairn::parting<F>(law, contact.memory.c_n, radius, gap, along.dot(n_mid), settings_.dt);
-      kick(s, contact.wall, x + touch.arm * n, parting.normal * n, Vec3::Zero(), report);
-      report.dissipated += parting.dissipated;
+      kick(s, contact.wall, x + touch.arm * n, parting.normal * n, Vec3::Zero(), tally);
+      tally.report.dissipated += parting.dissipated;
     }
-    report.dissipated += cairn::stored_energy<F>(law, std::max(0.0, -gap), radius, contact.memory);
+    tally.report.dissipated += cairn::stored_energy<F>(law, std::max(0.0, -gap), radius, contact.memory);
   }
 
   /// Evaluates the law and adds its wrench.
   template <Features F>
-  void act(Meeting& meeting, WallReport& report) const {
+  void act(Meeting& meeting, Tally& tally) const {
     const WallTouch& touch = meeting.touch;
     WallContact& contact = meeting.contact;
     const std::uint32_t s = contact.sphere, b = bodies_.spheres.body[s];
@@ -234,15 +241,17 @@ class Walls::Sweeper {
     const Vec3 force = vector(action.force), couple = vector(action.couple);
     bodies_.force[b] += force;
     bodies_.torque[b] += (c - bodies_.position[b]).cross(force) + couple;
-    WallReport mine{.dissipated = action.dissipated,
-                    .power = force.dot(velocity) + couple.dot(end.spin),
-                    .kicked = 0.0,
-                    .overlap_ratio = geometry.overlap / sphere.radius,
-                    .sphere = s,
-                    .wall = contact.wall};
+    WallLoad& load = tally.loads[contact.wall];
+    load.force -= force;
+    load.torque -= (c - end.pivot()).cross(force) + couple;
+    tally.report += {.dissipated = action.dissipated,
+                     .power = force.dot(velocity) + couple.dot(end.spin),
+                     .kicked = 0.0,
+                     .overlap_ratio = geometry.overlap / sphere.radius,
+                     .sphere = s,
+                     .wall = contact.wall};
     if (!meeting.remembers)
-      kick(s, contact.wall, c, due.wrench * force + due.normal * n, due.wrench * couple, mine);
-    report += mine;
+      kick(s, contact.wall, c, due.wrench * force + due.normal * n, due.wrench * couple, tally);
   }
 
   const Walls& walls_;
@@ -290,22 +299,25 @@ WallReport Walls::sweep(const std::vector<SphereMotion>& motions, const SweepSet
   const Sweeper sweeper(*this, motions, settings, end, middle, bodies);
   constexpr std::size_t size = WallCandidates::kBlock;
   const std::size_t blocks = (bodies.size() + size - 1) / size;
-  std::vector<WallReport> reports(blocks);
-  std::vector<std::vector<WallContact>> touching(blocks);
+  std::vector<Tally> tallies(blocks);
   candidates.resize(bodies);
   with_features(settings.features, [&]<Features F>() {
     parallel_blocks(blocks, 1, [&](std::size_t k, std::size_t) {
       const std::uint32_t first = bodies.first_sphere[k * size];
       const std::uint32_t last = bodies.first_sphere[std::min((k + 1) * size, bodies.size())];
-      reports[k] = sweeper.run<F>(first, last, candidates.list(k, bodies, walls, end), touching[k]);
+      sweeper.run<F>(first, last, candidates.list(k, bodies, walls, end), tallies[k]);
     });
   });
   WallReport total;
+  std::vector<WallLoad> now(walls.size());
   contacts.clear();
-  for (std::size_t k = 0; k < blocks; ++k) {
-    total += reports[k];
-    contacts.insert(contacts.end(), touching[k].begin(), touching[k].end());
+  for (const Tally& tally : tallies) {
+    total += tally.report;
+    for (std::size_t w = 0; w < tally.loads.size(); ++w) now[w] += tally.loads[w];
+    contacts.insert(contacts.end(), tally.contacts.begin(), tally.contacts.end());
   }
+  loads.resize(std::max<std::size_t>(loads.force.size(), scene_number(walls.size() - 1) + 1));
+  for (std::size_t w = 0; w < walls.size(); ++w) loads.add(scene_number(w), now[w], settings.dt);
   return total;
 }
 

@@ -6,6 +6,7 @@
 #include "body/bodies.h"
 #include "contact/kinematics.h"
 #include "contact/sweep.h"
+#include "contact/wall/loads.h"
 #include "contact/wall/wall.h"
 #include "contact/wall/wall_candidates.h"
 
@@ -34,15 +35,20 @@ class Walls {
   std::vector<Wall> walls;
   std::vector<std::uint32_t> number;  ///< of each in the scene; empty: they are the scene's
   std::vector<WallContact> contacts;  ///< in the order of sphere, wall, feature; `wall` indexes `walls`
+  WallLoads loads;                    ///< by the walls' numbers in the scene
 
   bool empty() const { return walls.empty(); }
+  /// Number in the scene of a wall.
+  std::uint32_t scene_number(std::size_t wall) const {
+    return number.empty() ? static_cast<std::uint32_t>(wall) : number[wall];
+  }
   /// The contacts with their walls' numbers in the scene.
   std::vector<WallContact> numbered_contacts() const;
   /// Constants of every wall with every body material at normal stiffness k_n (N/m).
   void set_laws(const std::vector<Material>& materials, const std::vector<Material>& wall_materials,
                 double k_n);
-  /// Adds wall forces and torques at `time` (s) to the bodies' wrenches. What a sphere remembers of a part of
-  /// a mesh passes to the part it has rolled or slid on to.
+  /// Adds wall forces and torques at `time` (s) to the bodies' wrenches, and takes down the loads. What a
+  /// sphere remembers of a part of a mesh passes to the part it has rolled or slid on to.
   WallReport sweep(const std::vector<SphereMotion>& motions, const SweepSettings& settings, double time,
                    WallCandidates& candidates, Bodies& bodies);
   /// Dashpot constants of all contacts at the present poses.

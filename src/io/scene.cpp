@@ -23,6 +23,7 @@ class Checks {
       check_cloud(scene_.clouds[i], fmt::format("cloud[{}]", i));
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i)
       check_body(scene_.bodies[i], fmt::format("body[{}]", i));
+    check_wall_names();
     for (std::size_t i = 0; i < scene_.walls.size(); ++i)
       check_wall(scene_.walls[i], fmt::format("wall[{}]", i));
     check_contact();
@@ -122,6 +123,22 @@ class Checks {
     body.orientation.coeffs() = direction<Eigen::Vector4d>(body.orientation.coeffs(), key + ".orientation");
   }
 
+  /// Columns of the series are called by these names.
+  void check_wall_names() const {
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < scene_.walls.size(); ++i) {
+      const std::string key = fmt::format("wall[{}].name", i), &name = scene_.walls[i].name;
+      constexpr const char* digits = "0123456789";
+      if (name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") !=
+          name.npos)
+        throw error(key, "expected letters, digits, '_' and '-' only, found '{}'", name);
+      if (given(key) && name.find_first_not_of(digits) == name.npos)
+        throw error(key, "expected more than digits, which stand for walls without a name, found '{}'", name);
+      if (given(key) && !names.insert(name).second)
+        throw error(key, "expected a name of its own, found '{}' for a second time", name);
+    }
+  }
+
   void check_wall(WallSpec& wall, const std::string& key) const {
     complete_material(wall.material, key);
     const bool plane = wall.kind == WallKind::plane, cylinder = wall.kind == WallKind::cylinder,
@@ -142,8 +159,6 @@ class Checks {
       if (!oscillates && given(key + name))
         throw error(key + name, "has no effect without oscillation_amplitude");
     if (oscillates) require(key + ".oscillation_frequency", "there is an oscillation_amplitude");
-    if (given(key + ".rotation_point") && !given(key + ".angular_velocity"))
-      throw error(key + ".rotation_point", "has no effect without angular_velocity");
     if (!given(key + ".rotation_point")) wall.rotation_point = wall.point;
     for (std::size_t i = 0; i < wall.stages.size(); ++i) {
       std::vector<std::string> names;
@@ -331,6 +346,11 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::f
 Scene load_scene(const std::filesystem::path& path) {
   const std::filesystem::path directory = path.has_parent_path() ? path.parent_path() : ".";
   return parse_scene(read_text_file(path), path.string(), directory);
+}
+
+std::string wall_name(const Scene& scene, std::size_t wall) {
+  const std::string& name = scene.walls[wall].name;
+  return name.empty() ? fmt::format("{}", wall) : name;
 }
 
 bool has_wall(const Scene& scene, std::size_t stage, std::size_t wall) {

@@ -98,6 +98,7 @@ struct BoxSpec {
 
 /// A wall, fixed or moved as prescribed. Keys that its kind does not have are errors.
 struct WallSpec {
+  std::string name;  ///< the wall's number when not given, see wall_name
   WallKind kind = WallKind::plane;
   std::string material;
   Vec3 point =
@@ -259,6 +260,9 @@ Scene load_scene(const std::filesystem::path& path);
 
 /// The same from text already in memory (a result file carries its scene); `name` stands in for the file.
 Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& directory);
+
+/// What other tables and the columns of the series call wall `wall`: its name, or its number.
+std::string wall_name(const Scene& scene, std::size_t wall);
 
 /// Whether wall `wall` is there in stage `stage`.
 bool has_wall(const Scene& scene, std::size_t stage, std::size_t wall);

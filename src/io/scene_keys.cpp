@@ -125,6 +125,9 @@ const Keys<BoxSpec> kBoxKeys = {
 };
 
 const Keys<WallSpec> kWallKeys = {
+    text("name", &WallSpec::name, kName,
+         "what messages, other tables and the series call it (wall_NAME_force_x ...): letters, digits, '_', "
+         "'-'; absent: its number, from 0"),
     choice("kind", &WallSpec::kind,
            {{"plane", WallKind::plane},
             {"sphere", WallKind::sphere},
@@ -153,7 +156,7 @@ const Keys<WallSpec> kWallKeys = {
     vector("angular_velocity", &WallSpec::angular_velocity, "rad/s", magnitude(1e9),
            "of a rotation about an axis through rotation_point"),
     vector("rotation_point", &WallSpec::rotation_point, "m", kPosition,
-           "takes part in translation and oscillation; absent: point"),
+           "takes part in translation and oscillation; torques on the wall are about it; absent: point"),
     texts("stages", &WallSpec::stages, kName,
           "names of the stages in which the wall is there, its motion counted from the start of the first; "
           "empty: all, from the start of the run"),

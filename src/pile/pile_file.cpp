@@ -65,7 +65,7 @@ Setup read_pile(const std::filesystem::path& path, const std::vector<Material>& 
       return std::string_view(field.name).starts_with(group);
     };
     return within("gravity/") || within("control/") || within("ledger/") || within("walls/") ||
-           within("clock/stage_starts") || (!volume && within("region_volume"));
+           within("wall_loads/") || within("clock/stage_starts") || (!volume && within("region_volume"));
   });
   file.read_checkpoint(fields);
   try {

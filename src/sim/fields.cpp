@@ -213,6 +213,12 @@ FieldTable checkpoint_fields(State& s, const FieldTable& contacts, WallColumns& 
        {"ledger/start_momentum", "kg m/s", "total at the start", &s.ledger.start_momentum},
        {"ledger/start_angular_momentum", "kg m^2/s", "total at the start, about the mass centre",
         &s.ledger.start_angular_momentum},
+       {"wall_loads/force", "N", "on each wall of the scene at the last evaluation", &s.walls.loads.force},
+       {"wall_loads/torque", "N m", "the same, about the rotation point", &s.walls.loads.torque},
+       {"wall_loads/impulse", "N s", "on each wall since wall_loads/since", &s.walls.loads.impulse},
+       {"wall_loads/angular_impulse", "N m s", "the same, about the rotation point",
+        &s.walls.loads.angular_impulse},
+       {"wall_loads/since", "s", "the last row of the series", &s.walls.loads.since},
        {"stiffness", "N/m", "normal stiffness of the stage", &s.k_n}});
   add(contacts);
   add(walls.table("walls/"));

@@ -13,6 +13,7 @@
 #include "sim/fields.h"
 #include "sim/make_perturbers.h"
 #include "sim/make_walls.h"
+#include "sim/wall_columns.h"
 
 namespace cairn {
 
@@ -36,6 +37,9 @@ void check_checkpoint(const std::filesystem::path& path, const Scene& scene, con
       (cells != 0 && cells != n))
     fail("as many poses as bodies expected");
   if (state.clock.stage >= scene.stages.size()) fail("its stage is not in the scene");
+  const WallLoads& loads = state.walls.loads;
+  for (const auto* column : {&loads.force, &loads.torque, &loads.impulse, &loads.angular_impulse})
+    if (column->size() != scene.walls.size()) fail("as many loads as walls expected");
   for (const gravity::Wrenches* w : {&state.gravity.from, &state.gravity.to, &state.gravity.evaluated})
     for (const std::size_t rows : {w->force.size(), w->torque.size()})
       if (rows != 0 && rows != n) fail("as many forces of gravity as bodies expected");
@@ -69,6 +73,7 @@ Run::Run(Scene scene, Setup setup, ResultFile results, Operation operation)
   load_tracks(scene_);
   write_tracks(results_, scene_);
   walls_ = make_walls(scene_, std::move(meshes));
+  state_.walls.loads.resize(walls_.size());
   double held = state_.k_n;
   for (std::size_t k = 0; k < stages(); ++k) {  // a stage that cannot run shall say so now, not after hours
     if (scene_.stages[k].operates()) continue;
@@ -87,7 +92,7 @@ Run::Run(Scene scene, Setup setup, ResultFile results, Operation operation)
   results_.write_static("frame",
                         {{"position", "m", "zero of all positions, at time 0", &state_.frame.position},
                          {"velocity", "m/s", "of the zero: add it to velocities", &state_.frame.velocity}});
-  results_.declare_series(series_columns());
+  results_.declare_series(run_columns(scene_));
 }
 
 void Run::write_bodies(const std::string& suffix) {
@@ -126,7 +131,7 @@ Run Run::resume(const std::filesystem::path& path, Operation operation) {
   check_checkpoint(path, run.scene_, state);
   if (const std::vector<double> periods = run.results_.read_series("period"); !periods.empty())
     run.last_.period = periods.back();  // snapshots repeat it
-  run.results_.declare_series(series_columns());
+  run.results_.declare_series(run_columns(run.scene_));
   run.prepare_bodies();
   run.inherited_ = contacts.records();
   run.walls_ = make_walls(run.scene_, read_wall_meshes(run.results_, run.scene_));
@@ -234,7 +239,8 @@ void Run::look() {
     control.active = physics_.spin->on_failure == OnFailure::keep;
     add_snapshot();
   }
-  results_.add_series_row(row(last_));
+  results_.add_series_row(run_row(scene_, last_, state_));
+  state_.walls.loads.restart(state_.clock.time());
 }
 
 void Run::add_snapshot() {

@@ -19,6 +19,8 @@ struct WallPose {
     const Vec3 y = x - shift;
     return turned ? Vec3(center + turn.transpose() * (y - center)) : y;
   }
+  /// The rotation point in space.
+  Vec3 pivot() const { return shift + center; }
   /// A direction of the wall frame in space.
   Vec3 to_space(const Vec3& n) const { return turned ? Vec3(turn * n) : n; }
   /// Velocity (m/s) of the wall's material point at x.

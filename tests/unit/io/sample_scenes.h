@@ -97,6 +97,7 @@ velocity = [1, 2, 3]
 angular_velocity = [0.1, 0.2, 0.3]
 orientation = [0, 0, 0, 2]
 [[wall]]
+name = "floor_1"
 kind = "plane"
 point = [0, 0, 1]
 normal = [0, 3, 4]

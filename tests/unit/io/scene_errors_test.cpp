@@ -241,8 +241,13 @@ TEST(SceneErrors, WallsHaveTheKeysOfTheirKind) {
         "oscillation_amplitude"},
        {"[[wall]]\nkind = 'plane'\noscillation_phase = 1",
         "s.toml:9:21: key 'wall[0].oscillation_phase': has no effect without oscillation_amplitude"},
-       {"[[wall]]\nkind = 'plane'\nrotation_point = [0, 0, 1]",
-        "s.toml:9:18: key 'wall[0].rotation_point': has no effect without angular_velocity"}});
+       {"[[wall]]\nkind = 'plane'\nname = 'a/b'",
+        "s.toml:9:8: key 'wall[0].name': expected letters, digits, '_' and '-' only, found 'a/b'"},
+       {"[[wall]]\nkind = 'plane'\nname = '12'",
+        "s.toml:9:8: key 'wall[0].name': expected more than digits, which stand for walls without a name, "
+        "found '12'"},
+       {"[[wall]]\nkind = 'plane'\nname = 'lid'\n[[wall]]\nkind = 'plane'\nname = 'lid'",
+        "s.toml:12:8: key 'wall[1].name': expected a name of its own, found 'lid' for a second time"}});
 }
 
 TEST(SceneErrors, Stages) {

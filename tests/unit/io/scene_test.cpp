@@ -116,6 +116,8 @@ TEST(Scene, BodiesAndWallsArriveWithUnitDirections) {
   EXPECT_EQ(body.angular_velocity, Vec3(0.1, 0.2, 0.3));
   EXPECT_EQ(body.orientation.coeffs(), Quat(0, 0, 0, 1).coeffs());
   ASSERT_EQ(scene.walls.size(), 4u);
+  EXPECT_EQ(wall_name(scene, 0), "floor_1");
+  EXPECT_EQ(wall_name(scene, 1), "1");
   EXPECT_EQ(scene.walls[0].velocity, Vec3(0, 0.1, 0));
   EXPECT_EQ(scene.walls[0].point, Vec3(0, 0, 1));
   EXPECT_LT((scene.walls[0].normal - Vec3(0, 0.6, 0.8)).norm(), 1e-15);
