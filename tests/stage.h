@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sim/make_walls.h"
+#include "sim/spin_control.h"
 #include "sim/step.h"
 
 namespace cairn {
@@ -28,6 +29,7 @@ struct Stage {
     begin_stage(physics, inherited, state, scratch);
     state.clock.steps = physics.steps;
     state.clock.dt = physics.contacts.dt;
+    begin_control(physics, state);
   }
 
   void advance(std::uint64_t steps) {

@@ -27,6 +27,37 @@ class Sets {
   std::vector<std::uint32_t> parent_;
 };
 
+/// Where one set has nearly all bodies: links the others by looking from each of their spheres at all.
+/// Returns whether that was so.
+bool join_few(const Bodies& bodies, double gap, const Box& box, Sets& sets) {
+  constexpr std::size_t kFew = 32;  // spheres: as much work as a search
+  if (box.periodic() || bodies.size() == 0) return false;
+  std::vector<std::uint32_t> count(bodies.size(), 0);
+  for (std::uint32_t b = 0; b < bodies.size(); ++b) ++count[sets.root(b)];
+  const auto most = static_cast<std::uint32_t>(std::max_element(count.begin(), count.end()) - count.begin());
+  std::vector<std::uint32_t> apart;  // spheres
+  for (std::uint32_t b = 0; b < bodies.size(); ++b) {
+    if (sets.root(b) == most) continue;
+    for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s) apart.push_back(s);
+    if (apart.size() > kFew) return false;
+  }
+  const Spheres& spheres = bodies.spheres;
+  for (const std::uint32_t s : apart)
+    for (std::uint32_t b = 0; b < bodies.size(); ++b) {
+      const std::uint32_t own = spheres.body[s];
+      if (sets.root(b) == sets.root(own)) continue;
+      Vec3 from = spheres.position[s];
+      if (!bodies.cell.empty()) from += bodies.cell_edge * (bodies.cell[own] - bodies.cell[b]);
+      for (std::uint32_t t = bodies.first_sphere[b]; t < bodies.first_sphere[b + 1]; ++t) {
+        const Vec3 d = spheres.position[t] - from;
+        if (!closer_than(d.x(), d.y(), d.z(), spheres.radius[s] + spheres.radius[t] + gap)) continue;
+        sets.join(b, own);
+        break;
+      }
+    }
+  return true;
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> Fragments::members(std::uint32_t cluster) const {
@@ -36,12 +67,17 @@ std::vector<std::uint32_t> Fragments::members(std::uint32_t cluster) const {
   return result;
 }
 
-Fragments find_fragments(const Bodies& bodies, double gap, const Box& box) {
-  const Spheres& spheres = bodies.spheres;
-  std::vector<Pair> pairs;
-  NearPairs().find(bodies, box, gap, pairs);
+Fragments find_fragments(const Bodies& bodies, double gap, const Box& box, const ContactList* contacts) {
+  const std::vector<std::uint32_t>& body = bodies.spheres.body;
   Sets sets(bodies.size());
-  for (const Pair& pair : pairs) sets.join(spheres.body[pair.i], spheres.body[pair.j]);
+  if (contacts != nullptr)
+    for (std::size_t slot = 0; slot < contacts->slots(); ++slot)
+      if (contacts->touching(slot)) sets.join(body[contacts->pair(slot).i], body[contacts->pair(slot).j]);
+  if (!join_few(bodies, gap, box, sets)) {
+    std::vector<Pair> pairs;
+    NearPairs().find(bodies, box, gap, pairs);
+    for (const Pair& pair : pairs) sets.join(body[pair.i], body[pair.j]);
+  }
 
   const auto count = static_cast<std::uint32_t>(bodies.size());
   std::vector<double> mass(count, 0.0);  // of the set of each root

@@ -5,6 +5,7 @@
 
 #include "body/bodies.h"
 #include "contact/box.h"
+#include "contact/history.h"
 
 namespace cairn {
 
@@ -20,8 +21,10 @@ struct Fragments {
 };
 
 /// Links bodies any of whose spheres' surfaces are closer than gap (m, >= 0), in a box also of their images.
-/// Sphere centres must be up to date.
+/// Sphere centres must be up to date. What touches by `contacts` need not be looked for: the result is the
+/// same, and for a pile in one piece far quicker.
 /// @throws UnstableError for a position that is not finite, InputError for an unusable gap.
-Fragments find_fragments(const Bodies& bodies, double gap, const Box& box = {});
+Fragments find_fragments(const Bodies& bodies, double gap, const Box& box = {},
+                         const ContactList* contacts = nullptr);
 
 }  // namespace cairn

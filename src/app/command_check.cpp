@@ -12,6 +12,7 @@
 #include "sim/make_perturbers.h"
 #include "sim/make_walls.h"
 #include "sim/run.h"
+#include "sim/spin_control.h"
 
 namespace cairn {
 
@@ -26,6 +27,7 @@ struct Options {
 struct Trial {
   double step = 0.0, row = 0.0;  ///< wall-clock seconds of a step and of a row of the series
   double coordination = 0.0;     ///< contacts per sphere
+  std::vector<std::string> warnings;
 };
 
 /// On a copy of the state, no longer than the stage. At first gravity is evaluated more often than later.
@@ -35,9 +37,10 @@ Trial try_stage(const Scene& scene, const Physics& physics, const std::vector<Co
   Scratch scratch;
   begin_stage(physics, contacts, state, scratch);
   state.clock.dt = physics.contacts.dt;
-  state.control.active = physics.spin.has_value();
+  begin_control(physics, state);
+  Trial trial{.warnings = control_warnings(physics, state)};
   const double gap = link_gap(scene, state.bodies);
-  Trial trial{.coordination = observe(physics, state, scratch, gap).coordination};
+  trial.coordination = observe(physics, state, scratch, gap).coordination;
   double start = wall_seconds();
   observe(physics, state, scratch, gap);
   trial.row = wall_seconds() - start;
@@ -95,8 +98,11 @@ void check(const Options& options) {
         k, scene.stages[k].name, describe_models(physics, bodies, !walls.empty(), state.box.periodic()),
         physics.k_n, physics.contact_time, physics.contacts.dt, kLongestSafeStep * physics.contact_time,
         physics.steps, scene.stages[k].duration);
-    if (first)
-      for (const std::string& w : warnings(physics, bodies, walls)) fmt::print("  warning    {}\n", w);
+    if (first) {
+      std::vector<std::string> all = warnings(physics, bodies, walls);
+      all.insert(all.end(), trial->warnings.begin(), trial->warnings.end());
+      for (const std::string& w : all) fmt::print("  warning    {}\n", w);
+    }
     if (held > 0.0 && k_n > 2.0 * held && physics.gravity != GravityMethod::none)
       fmt::print(
           "  warning    contacts become {:.3g} times stiffer than they are and push the pile apart at "

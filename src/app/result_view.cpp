@@ -1,7 +1,6 @@
 #include "app/result_view.h"
 
 #include <charconv>
-#include <cmath>
 
 #include "core/error.h"
 #include "sim/fields.h"
@@ -50,13 +49,6 @@ std::shared_ptr<const Bodies> ResultView::bodies_of(std::uint64_t epoch) const {
     known = std::move(bodies);
   }
   return known;
-}
-
-double ResultView::control_start() const {
-  const std::vector<double> time = series("time"), active = series("control_active");
-  for (std::size_t k = 0; k < active.size(); ++k)
-    if (active[k] > 0.0) return time[k];
-  return std::nan("");
 }
 
 std::vector<std::size_t> ResultView::select(const std::string& which) const {

@@ -38,8 +38,6 @@ class ResultView {
   std::size_t snapshots() const { return file_.snapshots().size(); }
   SnapshotView snapshot(std::size_t k) const;
   std::vector<double> series(const std::string& column) const { return file_.read_series(column); }
-  /// Start of the first stage with spin control (s); NaN without one.
-  double control_start() const;
   /// Numbers of the snapshots that `which` names: a number, "first", "last", "failure", the name of a stage
   /// (its last snapshot), or "all". @throws InputError listing what there is.
   std::vector<std::size_t> select(const std::string& which) const;

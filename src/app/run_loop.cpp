@@ -105,17 +105,29 @@ void run_to_end(Run run) {
   const double start = wall_seconds();
   const std::uint64_t first = run.state().clock.total_steps;
   std::optional<StageReport> made;
-  const RunEnd end = run.advance(
-      [&](const Run& r) {
-        bar.show(r);
-        return g_signal == 0;
-      },
-      [&](const StageReport& report) {
-        bar.newline();
-        fmt::print("{}", describe(report));
-        std::fflush(stdout);
-        made = report;
-      });
+  const RunEnd end = run.advance({.watch =
+                                      [&](const Run& r) {
+                                        bar.show(r);
+                                        return g_signal == 0;
+                                      },
+                                  .report =
+                                      [&](const StageReport& report) {
+                                        bar.newline();
+                                        fmt::print("{}", describe(report));
+                                        std::fflush(stdout);
+                                        made = report;
+                                      },
+                                  .announce =
+                                      [&](const std::string& line) {
+                                        bar.newline();
+                                        fmt::print("{}\n", line);
+                                        std::fflush(stdout);
+                                      },
+                                  .warn =
+                                      [&](const std::string& line) {
+                                        bar.newline();
+                                        spdlog::warn("{}", line);
+                                      }});
   if (end == RunEnd::interrupted) bar.newline();
   if (end == RunEnd::interrupted) {
     fmt::print(stderr, "stopped at t = {:.6g} s; continue with: cairn resume {}\n", run.state().clock.time(),

@@ -43,6 +43,14 @@ double value_at(const ResultView& view, const char* column, double t) {
   return values[static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, it - times.begin() - 1))];
 }
 
+/// What spin control says about the pile.
+std::string verdict(const Control& control) {
+  if (control.start_ratio == 0.0) return "-";
+  if (control.failed) return "failed";
+  if (!control.settled) return "never at rest";
+  return control.fall_time < 0.0 ? "stands" : "c/a has fallen just now";
+}
+
 struct Row {
   const char* name;
   std::function<std::string(const ResultView&)> value;
@@ -55,19 +63,29 @@ const std::vector<Row>& rows() {
       {"simulated time", [](auto& v) { return duration_text(last(v, "time")); }},
       {"steps", [](auto& v) { return fmt::format("{}", v.total_steps()); }},
       {"shortest period held", [](auto& v) { return period_text(v.control().shortest_period); }},
+      {"verdict on the spin-up", [](auto& v) { return verdict(v.control()); }},
       {"failure at period", [](auto& v) { return period_text(v.control().failure_period); }},
-      {"c/a before failure",
+      {"failure at time",
+       [](auto& v) { return v.control().failed ? duration_text(v.control().failure_time) : "-"; }},
+      {"c/a at rest, limit",
        [](auto& v) {
-         return v.control().start_ratio > 0.0 ? fmt::format("{:.3f}", v.control().start_ratio)
-                                              : std::string("-");
+         return v.control().start_ratio > 0.0
+                    ? fmt::format("{:.3f}, {:.3f}", v.control().start_ratio, v.control().limit_ratio)
+                    : std::string("-");
        }},
+      {"a fall must last",
+       [](auto& v) { return v.control().start_ratio > 0.0 ? duration_text(v.control().hold) : "-"; }},
       {"b/a, c/a at the end",
        [](auto& v) {
          return text("{:.3f}", last(v, "b_over_a")) + ", " + text("{:.3f}", last(v, "c_over_a"));
        }},
       {"period at the end", [](auto& v) { return period_text(last(v, "period")); }},
       {"coordination before spin-up",
-       [](auto& v) { return text("{:.2f}", value_at(v, "coordination", v.control_start())); }},
+       [](auto& v) {
+         return v.control().start_ratio > 0.0
+                    ? text("{:.2f}", value_at(v, "coordination", v.control().start_time))
+                    : std::string("-");
+       }},
       {"coordination at the end", [](auto& v) { return text("{:.2f}", last(v, "coordination")); }},
       {"bodies shed", [](auto& v) { return text("{:.0f}", last(v, "shed_bodies")); }},
       {"mass shed",

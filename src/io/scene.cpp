@@ -242,7 +242,7 @@ class Checks {
     }
     for (const char* name :
          {".duration", ".material", ".impact_speed", ".stiffness", ".time_step", ".spin", ".strain_rate",
-          ".packing", ".gravity", ".field", ".quiet_energy", ".quiet_speed"})
+          ".packing", ".gravity", ".field", ".quiet_energy", ".quiet_speed", ".quiet_interval"})
       if (given(key + name))
         throw error(key + name, "has no effect in a stage that carves, scales or assigns");
     if (scene_.box) throw error(key, "a pile in a periodic box cannot be carved, scaled or assigned");
@@ -257,6 +257,9 @@ class Checks {
   }
 
   void check_quiet(std::size_t index, const std::string& key) const {
+    const StageSpec& stage = scene_.stages[index];
+    if (stage.quiet_interval && !stage.quiet_energy && !stage.quiet_speed)
+      throw error(key + ".quiet_interval", "has no effect without quiet_energy or quiet_speed");
     if (scene_.stages[index].quiet_energy && gravity_of(scene_, index) == GravityMethod::none)
       throw error(key + ".quiet_energy", "has no meaning without self-gravity; expected quiet_speed");
   }

@@ -169,9 +169,13 @@ struct PerturberSpec {
 /// Prescribed spin of the pile about z [Zhang et al. 2021, section 2.3].
 struct SpinSpec {
   std::vector<SpinPoint> path;
-  double control_interval = 0.0;  ///< s between corrections; 0: every step
+  double ramp = 0.0;                     ///< s, in which the spin rate goes over to the path's
+  double control_interval = 0.0;         ///< s between corrections; 0: every step
+  std::optional<double> check_interval;  ///< s between looks at the pile; absent: chosen by the stage
+  double remnant_gap = 0.1;              ///< bodies closer than this times the smallest radius are one pile
   OnFailure on_failure = OnFailure::release;
-  double axis_drop = 0.01;              ///< failure: relative fall of c/a from the start of control
+  double axis_drop = 0.01;              ///< failure: relative fall of c/a from that of the pile at rest ...
+  std::optional<double> axis_hold;      ///< s; ... that lasts so long; absent: chosen by the stage
   bool include_shed = false;            ///< also spin bodies that have left the pile
   std::optional<double> after_failure;  ///< s; the stage ends this long after failure
 };
@@ -215,6 +219,7 @@ struct StageSpec {
   std::optional<Vec3> field;             ///< m/s^2; replaces gravity.field
   std::optional<double> quiet_energy;    ///< the stage ends at this kinetic energy over |W|
   std::optional<double> quiet_speed;     ///< m/s; the stage ends at this rms speed
+  std::optional<double> quiet_interval;  ///< s, between looks at these; absent: 200 steps
   std::optional<CarveSpec> carve;
   std::optional<ScaleSpec> scale;
   std::optional<AssignSpec> assign;
@@ -227,7 +232,7 @@ struct OutputSpec {
   double snapshot_interval = 0.0;      ///< s of simulated time; 0: only the ends of stages
   double series_interval = 0.0;        ///< s of simulated time; 0: chosen by the stage
   double checkpoint_interval = 300.0;  ///< s of wall-clock time
-  double remnant_gap = 0.1;            ///< bodies closer than this times the smallest radius belong together
+  double remnant_gap = 0.1;            ///< bodies closer than this times the smallest radius are one remnant
   double interior = 0.0;  ///< m, radius within which the packing is measured; 0: 3/4 of the half extent c/2
 };
 

@@ -254,11 +254,24 @@ const Keys<SpinSpec> kSpinKeys = {
     pairs("path", &SpinSpec::path, &SpinPoint::time, &SpinPoint::period, "s", kTime,
           "[time since the start of the stage, spin period]; linear between, times increase")
         .required(),
+    number("ramp", &SpinSpec::ramp, "s", kTime,
+           "time in which the spin rate goes over smoothly from that of the pile to the path's, which is not "
+           "shifted; 0: in one step"),
     number("control_interval", &SpinSpec::control_interval, "s", kTime, "between corrections; 0: every step"),
+    number(
+        "check_interval", &SpinSpec::check_interval, "s", kDuration,
+        "between looks at the pile: which bodies belong to it, and has it failed; absent: the time in which "
+        "the path's period changes by 0.001 h, at most a twentieth of 1/sqrt(4 pi G rho / 3)"),
+    number("remnant_gap", &SpinSpec::remnant_gap, "", within(0, 1e6),
+           "bodies closer than this times the smallest radius belong to one pile; the largest is spun"),
     choice("on_failure", &SpinSpec::on_failure, {{"release", OnFailure::release}, {"keep", OnFailure::keep}},
            "after failure the pile is left to itself, or the spin stays prescribed"),
     number("axis_drop", &SpinSpec::axis_drop, "", above(0, 1),
-           "failure is this relative fall of c/a from the start of control"),
+           "failure is this relative fall of the pile's c/a from its value at rest: when control begins, or "
+           "when the pile has come to rest under it"),
+    number("axis_hold", &SpinSpec::axis_hold, "s", kTime,
+           "a fall counts when it has lasted so long, failure is its beginning; absent: a quarter of "
+           "1/sqrt(4 pi G rho / 3)"),
     flag("include_shed", &SpinSpec::include_shed, "also spin bodies that have left the pile"),
     number("after_failure", &SpinSpec::after_failure, "s", kTime,
            "the stage ends this long after failure; absent: at its duration"),
@@ -317,9 +330,11 @@ const Keys<StageSpec> kStageKeys = {
         "quiet_energy", &StageSpec::quiet_energy, "", above(0, 1),
         "the stage ends when the kinetic energy, without walls less that of rigid motion, over the size of "
         "the "
-        "gravitational energy is below this; checked with each row of the series, after a tenth of duration"),
+        "gravitational energy is below this; not before a tenth of duration"),
     number("quiet_speed", &StageSpec::quiet_speed, "m/s", above(0, 1e6),
            "the same for the rms speed that belongs to that energy"),
+    number("quiet_interval", &StageSpec::quiet_interval, "s", kDuration,
+           "between looks at these; absent: 200 steps"),
     table("carve", &StageSpec::carve, kCarveKeys,
           "Takes bodies away; the stage does only this, and no time passes."),
     table("scale", &StageSpec::scale, kScaleKeys,
@@ -336,7 +351,7 @@ const Keys<OutputSpec> kOutputKeys = {
     number("checkpoint_interval", &OutputSpec::checkpoint_interval, "s", within(1, 1e9),
            "of wall-clock time"),
     number("remnant_gap", &OutputSpec::remnant_gap, "", within(0, 1e6),
-           "bodies closer than this times the smallest radius belong together"),
+           "bodies closer than this times the smallest radius belong together, in what is written"),
     number("interior", &OutputSpec::interior, "m", within(0, 1e12),
            "the packing is measured on spheres this close to the mass centre; 0: 3/8 of the shortest extent"),
 };

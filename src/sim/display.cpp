@@ -5,13 +5,13 @@
 
 namespace cairn {
 
-Display make_display(const State& state) {
+Display make_display(const State& state, const std::vector<std::uint8_t>& remnant) {
   const Bodies& bodies = state.bodies;
   Display out;
   if (bodies.cell_edge > 0.0) {
     std::vector<std::uint32_t> members;
     for (std::uint32_t b = 0; b < bodies.size(); ++b)
-      if (state.remnant[b]) members.push_back(b);
+      if (remnant[b]) members.push_back(b);
     const double step = kFrameStep * bodies.cell_edge;
     out.origin = step * nearest_multiples(spin_state(bodies, members).center, step);
   }

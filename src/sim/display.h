@@ -16,6 +16,6 @@ struct Display {
 
 /// The origin is the zero while the largest remnant is near it, and else the whole quarter of a cell nearest
 /// to the remnant's mass centre: single precision is then good for 1e-4 of a radius in the remnant.
-Display make_display(const State& state);
+Display make_display(const State& state, const std::vector<std::uint8_t>& remnant);
 
 }  // namespace cairn

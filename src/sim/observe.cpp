@@ -8,8 +8,8 @@
 #include "analysis/budget.h"
 #include "analysis/fragments.h"
 #include "analysis/spin_state.h"
-#include "motion/spin.h"
 #include "sim/agitation.h"
+#include "sim/spin_control.h"
 
 namespace cairn {
 
@@ -84,12 +84,14 @@ std::size_t touching_body_pairs(const State& state) {
   return static_cast<std::size_t>(std::unique(pairs.begin(), pairs.end()) - pairs.begin());
 }
 
-void observe_remnant(State& state, double link_gap, Observation& o) {
+}  // namespace
+
+void observe_remnant(const State& state, double link_gap, Observation& o) {
   const Bodies& bodies = state.bodies;
-  const Fragments fragments = find_fragments(bodies, link_gap, state.box);
+  const Fragments fragments = find_fragments(bodies, link_gap, state.box, &state.contacts);
   const std::vector<std::uint32_t> remnant = fragments.members(0);
-  state.remnant.assign(bodies.size(), 0);
-  for (std::uint32_t b : remnant) state.remnant[b] = 1;
+  o.remnant.assign(bodies.size(), 0);
+  for (std::uint32_t b : remnant) o.remnant[b] = 1;
 
   const SpinState spin = spin_state(bodies, remnant);
   const AxisLengths axes = axis_lengths(bodies, remnant);
@@ -110,8 +112,6 @@ void observe_remnant(State& state, double link_gap, Observation& o) {
   o.fragments = static_cast<double>(fragments.size());
 }
 
-}  // namespace
-
 std::vector<SeriesColumn> series_columns() {
   std::vector<SeriesColumn> out;
   for (const Column& c : kColumns) out.push_back({c.name, c.unit, c.help});
@@ -129,14 +129,14 @@ double link_gap(const Scene& scene, const Bodies& bodies) {
   return scene.output.remnant_gap * *std::min_element(radii.begin(), radii.end());
 }
 
-Observation observe(const Physics& physics, State& state, Scratch& scratch, double link_gap) {
+Observation observe(const Physics& physics, const State& state, Scratch& scratch, double link_gap) {
   const Bodies& bodies = state.bodies;
-  Ledger& ledger = state.ledger;
+  const Ledger& ledger = state.ledger;
   Observation o;
   o.time = state.clock.time();
   o.stage = static_cast<double>(state.clock.stage);
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  o.spin_target = physics.spin ? period_at(physics.spin->path, state.clock.stage_time()) : none;
+  o.spin_target = target_period(physics, state.control, state.clock.stage_time());
   observe_remnant(state, link_gap, o);
 
   const Budget total = budget(bodies);
@@ -179,7 +179,6 @@ Observation observe(const Physics& physics, State& state, Scratch& scratch, doub
   o.contacts = static_cast<double>(pairs + on_walls);
   o.touching_bodies = static_cast<double>(touching_body_pairs(state));
   o.largest_overlap = ledger.recent_overlap;
-  ledger.recent_overlap = 0.0;
   o.packing = state.box.closed() ? packing_fraction(physics, state.box) : none;
   o.control_active = state.control.active ? 1.0 : 0.0;
   o.gravity_interval = state.gravity.interval;

@@ -8,7 +8,7 @@
 
 namespace cairn {
 
-/// One row of the series. Every member is documented in the column table (observe.cpp).
+/// One row of the series. Every number is documented in the column table (observe.cpp).
 struct Observation {
   double time = 0.0, stage = 0.0, period = 0.0, spin_target = 0.0, axis_a = 0.0, axis_b = 0.0, axis_c = 0.0,
          b_over_a = 0.0, c_over_a = 0.0, all_b_over_a = 0.0, all_c_over_a = 0.0, wobble = 0.0;
@@ -21,6 +21,7 @@ struct Observation {
   double contacts = 0.0, coordination = 0.0, touching_bodies = 0.0, largest_overlap = 0.0;
   double remnant_mass_fraction = 0.0, shed_bodies = 0.0, fragments = 0.0, packing = 0.0, control_active = 0.0,
          gravity_interval = 0.0, gravity_miss = 0.0;
+  std::vector<std::uint8_t> remnant;  ///< of each body: 1 when part of the largest remnant; not in the row
 };
 
 /// Name, unit and meaning of each column, in the order of `row`.
@@ -30,8 +31,10 @@ std::vector<double> row(const Observation& observation);
 /// Gap (m) up to which bodies belong together, as the scene asks for it.
 double link_gap(const Scene& scene, const Bodies& bodies);
 
-/// Measures the state and renews its record of the largest remnant. `link_gap` (m): bodies closer than this
-/// belong together.
-Observation observe(const Physics& physics, State& state, Scratch& scratch, double link_gap);
+/// Measures the state. `link_gap` (m): bodies closer than this belong together.
+Observation observe(const Physics& physics, const State& state, Scratch& scratch, double link_gap);
+
+/// Only what concerns the largest remnant.
+void observe_remnant(const State& state, double link_gap, Observation& o);
 
 }  // namespace cairn

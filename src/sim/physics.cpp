@@ -197,9 +197,13 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   p.duration = stage.duration;
   p.body_volume = std::accumulate(bodies.volume.begin(), bodies.volume.end(), 0.0);
   if (scene.box) p.least_edge = least_edge(bodies);
-  if (stage.spin && stage.spin->control_interval > 0.0)
-    p.control_steps = whole_steps(stage.spin->control_interval, dt);
   constexpr double kStepsPerRow = 200.0;  // a row costs as much as some eight steps
+  if (stage.spin) {
+    if (stage.spin->control_interval > 0.0) p.control_steps = whole_steps(stage.spin->control_interval, dt);
+    p.link_gap = stage.spin->remnant_gap *
+                 *std::min_element(bodies.spheres.radius.begin(), bodies.spheres.radius.end());
+  }
+  p.quiet_steps = whole_steps(stage.quiet_interval.value_or(kStepsPerRow * dt), dt);
   p.series_interval = scene.output.series_interval > 0.0 ? scene.output.series_interval
                                                          : std::max(1e-3 * stage.duration, kStepsPerRow * dt);
   p.snapshot_interval = scene.output.snapshot_interval;

@@ -38,8 +38,10 @@ struct Physics {
   double duration = 0.0;                            ///< s, of the stage, at most
   double least_edge = 0.0;                          ///< m, of a periodic box
   std::uint64_t control_steps = 1;                  ///< steps between spin corrections
-  double series_interval = 0.0;    ///< s, between rows of the series, and between checks for failure
-  double snapshot_interval = 0.0;  ///< s; 0: only at the end of the stage
+  double link_gap = 0.0;                            ///< m, up to which bodies belong to the pile that is spun
+  std::uint64_t quiet_steps = 1;                    ///< between looks whether all is quiet
+  double series_interval = 0.0;                     ///< s, between rows of the series
+  double snapshot_interval = 0.0;                   ///< s; 0: only at the end of the stage
 };
 
 /// Normal stiffness (N/m) of stage `index` with its walls: given by the scene, or chosen for the bodies as

@@ -13,13 +13,12 @@
 #include "sim/fields.h"
 #include "sim/make_perturbers.h"
 #include "sim/make_walls.h"
+#include "sim/spin_control.h"
 #include "sim/wall_columns.h"
 
 namespace cairn {
 
 namespace {
-
-constexpr double kWatchInterval = 0.05;  // s of wall-clock time
 
 /// Whether the step just done is the one nearest to a multiple of the interval (s; 0: never).
 bool due(const Clock& clock, double interval) {
@@ -129,8 +128,6 @@ Run Run::resume(const std::filesystem::path& path, Operation operation) {
   WallColumns walls;
   run.results_.read_checkpoint(checkpoint_fields(state, contacts.table(), walls));
   check_checkpoint(path, run.scene_, state);
-  if (const std::vector<double> periods = run.results_.read_series("period"); !periods.empty())
-    run.last_.period = periods.back();  // snapshots repeat it
   run.results_.declare_series(run_columns(run.scene_));
   run.prepare_bodies();
   run.inherited_ = contacts.records();
@@ -178,7 +175,6 @@ std::string Run::operate() {
   write_bodies(fmt::format("_{}", epoch_));
   std::string what = operation_(scene_, state_.clock.stage, state_, inherited_);
   ++epoch_;
-  state_.contacts = ContactList{};
   const PhaseTimes times = scratch_.times;
   scratch_ = Scratch();
   scratch_.times = times;
@@ -186,6 +182,7 @@ std::string Run::operate() {
   state_.ledger.rebase = true;
   prepare_bodies();
   write_bodies("");
+  observe_remnant(state_, link_gap_, last_);
   add_snapshot();
   return what;
 }
@@ -201,13 +198,6 @@ StageReport Run::end_stage(std::string what, double seconds) {
   return report;
 }
 
-bool Run::quiet() const {
-  if (state_.clock.stage_time() < 0.1 * physics_.duration) return false;
-  const auto& [energy, speed] = std::pair(physics_.quiet_energy, physics_.quiet_speed);
-  return (energy && last_.agitation < *energy * std::abs(last_.gravitational)) ||
-         (speed && last_.agitation < 0.5 * physics_.body_mass * *speed * *speed);
-}
-
 void Run::start_stage() {
   Clock& clock = state_.clock;
   set_walls(scene_, clock.stage, walls_, state_.stage_starts, state_.walls);
@@ -217,34 +207,24 @@ void Run::start_stage() {
   begin_stage(physics_, std::exchange(inherited_, {}), state_, scratch_);
   clock.steps = physics_.steps;
   clock.dt = physics_.contacts.dt;
-  Control& control = state_.control;
-  control.active = physics_.spin.has_value();
-  if (control.active) control.failed = false;
+  begin_control(physics_, state_);
+  warn(control_warnings(physics_, state_));
   look();
   const double freed = k_n > held && held > 0.0 ? (1.0 - held / k_n) * last_.elastic : 0.0;
   burst_ = last_.gravitational < 0.0 ? freed / -last_.gravitational : 0.0;
-  if (control.active) control.start_ratio = last_.c_over_a;
   if (clock.total_steps == 0 && epoch_ == 0) add_snapshot();
 }
 
 void Run::look() {
   ScopedTimer timer(scratch_.times[static_cast<std::size_t>(Phase::output)]);
   last_ = observe(physics_, state_, scratch_, link_gap_);
-  Control& control = state_.control;
-  if (control.active && !control.failed && state_.clock.step > 0 &&
-      last_.c_over_a < control.start_ratio * (1.0 - physics_.spin->axis_drop)) {
-    control.failed = true;
-    control.failure_time = last_.time;
-    control.failure_period = last_.spin_target;
-    control.active = physics_.spin->on_failure == OnFailure::keep;
-    add_snapshot();
-  }
+  state_.ledger.recent_overlap = 0.0;  // a row tells that since the row before
   results_.add_series_row(run_row(scene_, last_, state_));
   state_.walls.loads.restart(state_.clock.time());
 }
 
 void Run::add_snapshot() {
-  Display display = make_display(state_);
+  Display display = make_display(state_, last_.remnant);
   std::vector<std::uint16_t> touching(sphere_count(), 0);
   for (std::size_t slot = 0; slot < state_.contacts.slots(); ++slot)
     if (state_.contacts.touching(slot)) {
@@ -261,7 +241,7 @@ void Run::add_snapshot() {
   table.front() = {"position", "m", "centre of mass, from origin", &display.bodies, "body"};
   table.push_back({"origin", "m", "of the positions here, from the zero of /frame", &display.origin});
   table.push_back({"box", "m", "edges of the periodic box; 0: open in that direction", &state_.box.edge});
-  table.push_back({"remnant", "", "1: part of the largest remnant", &state_.remnant, "body"});
+  table.push_back({"remnant", "", "1: part of the largest remnant", &last_.remnant, "body"});
   table.push_back({"sphere_position", "m",
                    "centre, from origin, for display; in the periodic box the image in it", &display.spheres,
                    "sphere"});
@@ -288,65 +268,29 @@ void Run::commit(bool last) {
   write_xdmf(results_);
 }
 
-RunEnd Run::advance(const std::function<bool(const Run&)>& watch,
-                    const std::function<void(const StageReport&)>& report) {
-  Clock& clock = state_.clock;
-  double last_watch = wall_seconds(), last_commit = last_watch;
+RunEnd Run::advance(const Listener& listener) {
+  listener_ = listener;
+  last_watch_ = last_commit_ = wall_seconds();
   try {
     for (;;) {
       const double start = wall_seconds();
       std::string what;
-      if (scene_.stages[clock.stage].operates()) {
+      if (scene_.stages[state_.clock.stage].operates()) {
         begin();
         what = operate();
       } else {
-        if (clock.steps == 0) {
+        if (state_.clock.steps == 0) {
           begin();
           start_stage();
-          if (clock.total_steps == 0) commit(false);
+          if (state_.clock.total_steps == 0) commit(false);
         }
-        for (bool over = false; !over;) {
-          step(physics_, state_, scratch_);
-          const bool end = clock.step == clock.steps;
-          const bool picture = end || due(clock, physics_.snapshot_interval);
-          const bool row = picture || due(clock, physics_.series_interval);
-          if (row) look();
-          if (end) what = "the end of its duration";
-          if (row && !end && quiet()) what = fmt::format("quiet after {:.6g} s", clock.stage_time());
-          if (!end && failed_long_ago()) what = "some time after failure";
-          over = !what.empty();
-          if (over && !row) look();
-          if (over || picture) add_snapshot();
-          const double now = wall_seconds();
-          if (now - last_watch < kWatchInterval) continue;
-          last_watch = now;
-          if (!watch(*this)) {
-            if (!over) {
-              commit(false);
-              return RunEnd::interrupted;
-            }
-          } else if (now - last_commit > scene_.output.checkpoint_interval) {
-            commit(false);
-            last_commit = wall_seconds();
-          }
-        }
+        what = follow();
+        if (what.empty()) return RunEnd::interrupted;
       }
       const StageReport done = end_stage(std::move(what), wall_seconds() - start);
-      if (report) report(done);
-      // Between stages: contacts wait for the next stage's stiffness and walls.
-      const bool last = clock.stage + 1 == scene_.stages.size();
-      if (!last) {
-        if (clock.steps > 0) {
-          inherited_ = state_.contacts.records();
-          state_.walls.contacts = state_.walls.numbered_contacts();
-          state_.walls.number.clear();
-          state_.ledger.field_momentum += clock.stage_time() * physics_.body_mass * physics_.field;
-          if (!state_.walls.empty()) state_.ledger.rebase = true;
-        }
-        clock.stage_start = clock.time();
-        ++clock.stage;
-        clock.step = clock.steps = 0;
-      }
+      if (listener_.report) listener_.report(done);
+      const bool last = state_.clock.stage + 1 == stages();
+      if (!last) leave_stage();
       commit(last);
       if (last) return RunEnd::finished;
     }
@@ -356,10 +300,67 @@ RunEnd Run::advance(const std::function<bool(const Run&)>& watch,
   }
 }
 
-bool Run::failed_long_ago() const {
-  const auto& spin = physics_.spin;
-  return spin && spin->after_failure && state_.control.failed &&
-         state_.clock.time() - state_.control.failure_time >= *spin->after_failure;
+/// Steps to the end of the stage and tells why it is over; empty when the run has been interrupted. What is
+/// written on the way depends on the state and never the other way about.
+std::string Run::follow() {
+  for (;;) {
+    const bool had_failed = state_.control.failed;
+    step(physics_, state_, scratch_);
+    std::string over = why_stage_ends(physics_, state_, scratch_);
+    const bool fails = state_.control.failed && !had_failed;
+    const bool picture = !over.empty() || fails || due(state_.clock, physics_.snapshot_interval);
+    if (picture || due(state_.clock, physics_.series_interval)) look();
+    if (picture) add_snapshot();
+    if (fails) announce_failure();
+    // A checkpoint holds a stage that goes on, or none: what ends it has no second chance after a resume.
+    if (!over.empty()) return over;
+    if (checkpoint_asked()) {
+      commit(false);
+      return {};
+    }
+  }
+}
+
+/// Leaves the stage with all that belongs to it: what is left waits for the stiffness and the walls of the
+/// next.
+void Run::leave_stage() {
+  Clock& clock = state_.clock;
+  if (clock.steps > 0) {
+    inherited_ = state_.contacts.records();
+    state_.contacts = ContactList{};
+    state_.walls.contacts = state_.walls.numbered_contacts();
+    state_.walls.number.clear();
+    state_.ledger.field_momentum += clock.stage_time() * physics_.body_mass * physics_.field;
+    if (!state_.walls.empty()) state_.ledger.rebase = true;
+  }
+  state_.gravity = gravity::HeldGravity{};
+  if (state_.control.failed) state_.region_volume = 0.0;  // the pile has left it
+  clock.stage_start = clock.time();
+  ++clock.stage;
+  clock.step = clock.steps = 0;
+}
+
+/// Whether the run is to stop here; checkpoints of a run that goes on are written when their time has come.
+bool Run::checkpoint_asked() {
+  const double now = wall_seconds();
+  if (now - last_watch_ < listener_.watch_interval) return false;
+  last_watch_ = now;
+  if (listener_.watch && !listener_.watch(*this)) return true;
+  if (now - last_commit_ > scene_.output.checkpoint_interval) {
+    commit(false);
+    last_commit_ = wall_seconds();
+  }
+  return false;
+}
+
+void Run::announce_failure() const {
+  if (listener_.announce) listener_.announce(describe_failure(state_));
+  warn(failure_warnings(physics_, state_));
+}
+
+void Run::warn(const std::vector<std::string>& lines) const {
+  for (const std::string& line : lines)
+    if (listener_.warn) listener_.warn(line);
 }
 
 }  // namespace cairn

@@ -27,11 +27,18 @@ class Run {
   /// @throws InputError when the file is not a result file, has no checkpoint, or the run has finished.
   static Run resume(const std::filesystem::path& path, Operation operation = {});
 
-  /// Runs to the end of the scene. `watch` is called about five times a second of wall-clock time; when it
-  /// returns false the run writes a checkpoint and stops. `report` is called at the end of each stage.
+  /// Called back while a run advances; any may be empty.
+  struct Listener {
+    std::function<bool(const Run&)> watch =
+        {};  ///< now and then; false: the run writes a checkpoint and stops
+    std::function<void(const StageReport&)> report = {};    ///< at the end of each stage
+    std::function<void(const std::string&)> announce = {};  ///< what has happened, in a line
+    std::function<void(const std::string&)> warn = {};      ///< what makes a result doubtful, in a line
+    double watch_interval = 0.05;  ///< s of wall-clock time between calls of `watch`; 0: after every step
+  };
+  /// Runs to the end of the scene.
   /// @throws UnstableError when the physics leaves its bounds; the result file keeps everything until then.
-  RunEnd advance(const std::function<bool(const Run&)>& watch,
-                 const std::function<void(const StageReport&)>& report = {});
+  RunEnd advance(const Listener& listener);
 
   /// What looks wrong about the bodies' motion at the start.
   std::vector<std::string> warnings() const;
@@ -54,14 +61,17 @@ class Run {
 
   void start_stage();
   std::string operate();
+  std::string follow();
+  void leave_stage();
   void write_bodies(const std::string& suffix);
   void begin();
   void rebase();
-  bool quiet() const;
   StageReport end_stage(std::string what, double seconds);
   void prepare_bodies();
   void look();
-  bool failed_long_ago() const;
+  void announce_failure() const;
+  void warn(const std::vector<std::string>& lines) const;
+  bool checkpoint_asked();
   void add_snapshot();
   void commit(bool last);
 
@@ -79,6 +89,8 @@ class Run {
   Physics physics_;
   Scratch scratch_;
   Observation last_;
+  Listener listener_;
+  double last_watch_ = 0.0, last_commit_ = 0.0;  ///< s of wall-clock time
 };
 
 /// Title, version, scene and seed, as result files carry them.

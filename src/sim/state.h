@@ -28,14 +28,26 @@ struct Clock {
   double stage_time() const { return static_cast<double>(step) * dt; }
 };
 
-/// Spin control of the stage.
+/// Spin control of the last stage that had it, and its verdict; see sim/spin_control.h.
 struct Control {
   bool active = false;
-  bool failed = false;
-  double failure_time = 0.0;     ///< s
-  double failure_period = 0.0;   ///< s
+  bool settled = false;          ///< the pile has been at rest under control: start_ratio stays
+  bool failed = false;           ///< a fall of c/a has lasted
+  double limit_ratio = 0.0;      ///< c/a below which it has fallen
+  double hold = 0.0;             ///< s, that a fall must last
+  double failure_time = 0.0;     ///< s, when that fall began
+  double failure_period = 0.0;   ///< s, asked for then
+  double failure_ratio = 0.0;    ///< c/a then
   double shortest_period = 0.0;  ///< s, held under control so far in the run; 0: none
-  double start_ratio = 0.0;      ///< c/a when control began
+  double start_ratio = 0.0;      ///< c/a against which falls are judged; 0: control has not begun
+  double start_time = 0.0;       ///< s, of that c/a
+  double start_rate = 0.0;       ///< rad/s, at which the pile turned when control began
+  double fall_time = -1.0;       ///< s, since when c/a has been too small; negative: it is not
+  double fall_period = 0.0;      ///< s, asked for then
+  double fall_ratio = 0.0;       ///< c/a then
+  std::uint64_t next_check = 0;  ///< step of the stage
+
+  bool operator==(const Control&) const = default;
 };
 
 /// What perturbers do to all bodies together at one moment.
@@ -91,7 +103,7 @@ struct State {
   double k_n = 0.0;                   ///< N/m, normal stiffness of the stage
   double region_volume = 0.0;         ///< m^3, of the region last carved; 0: none
   std::vector<double> stage_starts;   ///< s, of the stages that have begun
-  std::vector<std::uint8_t> remnant;  ///< of each body: 1 when part of the largest remnant
+  std::vector<std::uint8_t> remnant;  ///< of each body: 1 when part of the pile that is spun
   bool finished = false;
 };
 

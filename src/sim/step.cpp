@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "analysis/budget.h"
 #include "analysis/spin_state.h"
 #include "body/cells.h"
 #include "core/error.h"
@@ -15,7 +16,8 @@
 #include "gravity/accuracy.h"
 #include "gravity/conserve.h"
 #include "motion/drift.h"
-#include "motion/spin.h"
+#include "sim/agitation.h"
+#include "sim/spin_control.h"
 
 namespace cairn {
 
@@ -293,16 +295,16 @@ void advance(const Vec3& half_stretch, double dt, State& state, Scratch& scratch
   move_motions(bodies.spheres, scratch.motions);
 }
 
-void control_spin(const Physics& physics, State& state, Scratch& scratch) {
-  if (!state.control.active || state.clock.step % physics.control_steps != 0) return;
-  const double period = period_at(physics.spin->path, state.clock.stage_time());
-  const SpinCorrection done =
-      impose_period(state.bodies, physics.spin->include_shed ? scratch.everyone : state.remnant, period);
-  state.ledger.control_momentum += done.momentum;
-  state.ledger.control_work += done.work;
-  Control& control = state.control;
-  control.shortest_period =
-      control.shortest_period == 0.0 ? period : std::min(control.shortest_period, period);
+bool is_quiet(const Physics& physics, const State& state, Scratch& scratch) {
+  if (!physics.quiet_energy && !physics.quiet_speed) return false;
+  if (state.clock.step % physics.quiet_steps != 0 || state.clock.stage_time() < 0.1 * physics.duration)
+    return false;
+  ScopedTimer timer(time_of(scratch, Phase::control));
+  const double energy = agitation(state, budget(state.bodies));
+  if (physics.quiet_speed && energy < 0.5 * physics.body_mass * *physics.quiet_speed * *physics.quiet_speed)
+    return true;
+  return physics.quiet_energy &&
+         energy < *physics.quiet_energy * std::abs(gravitational_energy(physics, state, scratch));
 }
 
 }  // namespace
@@ -403,8 +405,16 @@ void step(const Physics& physics, State& state, Scratch& scratch) {
   }
   if (physics.spin) {
     ScopedTimer timer(time_of(scratch, Phase::control));
-    control_spin(physics, state, scratch);
+    control_spin(physics, scratch.everyone, state);
   }
+}
+
+std::string why_stage_ends(const Physics& physics, const State& state, Scratch& scratch) {
+  const Clock& clock = state.clock;
+  if (clock.step >= clock.steps) return "the end of its duration";
+  if (is_quiet(physics, state, scratch)) return fmt::format("quiet after {:.6g} s", clock.stage_time());
+  if (failed_long_ago(physics, state)) return "some time after failure";
+  return {};
 }
 
 double gravitational_energy(const Physics& physics, const State& state, Scratch& scratch) {

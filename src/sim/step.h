@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <string_view>
 
 #include "contact/candidates.h"
@@ -49,6 +50,9 @@ void prepare_scratch(const Physics& physics, State& state, Scratch& scratch);
 /// @throws UnstableError when an overlap passes the bound, a position is not finite or the box becomes too
 /// small.
 void step(const Physics& physics, State& state, Scratch& scratch);
+
+/// Why the stage is over after the step just done; empty while it is not. Changes nothing.
+std::string why_stage_ends(const Physics& physics, const State& state, Scratch& scratch);
 
 /// Gravitational energy of the spheres of different bodies (J), by the method of the stage.
 double gravitational_energy(const Physics& physics, const State& state, Scratch& scratch);

@@ -112,12 +112,12 @@ void pack(const Recipe& recipe, const std::filesystem::path& path) {
   RunAttributes attributes{
       .title = scene.title, .scene = scene.text, .directory = ".", .version = CAIRN_VERSION, .seed = 1};
   Run run(scene, std::move(setup), ResultFile::create(path, attributes.table(), true));
-  run.advance([](const Run& r) {
+  run.advance({.watch = [](const Run& r) {
     const Clock& clock = r.state().clock;
     std::printf("\rstage %d, step %d of %d ", static_cast<int>(clock.stage), static_cast<int>(clock.step),
                 static_cast<int>(clock.steps));
     return std::fflush(stdout) == 0;
-  });
+  }});
   std::printf(
       "\r%zu spheres, %.2f contacts per sphere, largest overlap %.3g\n", run.sphere_count(),
       2.0 * static_cast<double>(run.state().contacts.contacts()) / static_cast<double>(run.sphere_count()),

@@ -152,13 +152,13 @@ class Study {
     Outcome out;
     double first = 0.0, samples = 0.0;
     bool begun = false;
-    run.advance([&](const Run& r) {
+    run.advance({.watch = [&](const Run& r) {
       if (!begun) first = total_energy(r.last_observation());
       begun = true;
       out.interval += static_cast<double>(r.state().gravity.steps);
       ++samples;
       return true;
-    });
+    }});
     const Observation& o = run.last_observation();
     out.period = run.state().control.failure_period;
     out.energy = std::abs((total_energy(o) - first) / o.gravitational);

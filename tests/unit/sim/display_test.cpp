@@ -16,8 +16,7 @@ TEST(Display, SpheresGoWithTheirBody) {
             .orientation = Quat(0.5, 0.5, -0.5, 0.5),
             .velocity = velocity,
             .angular_velocity = spin});
-  state.remnant = {1};
-  const Display out = make_display(state);
+  const Display out = make_display(state, {1});
   ASSERT_EQ(out.spheres.size(), 4u);
   EXPECT_EQ(out.origin, Vec3(0, 0, 0));
   EXPECT_EQ(out.bodies[0], Vec3(3.0, 4.0, 5.0));

@@ -76,7 +76,7 @@ int run_to_end(const std::filesystem::path& path, bool stops) {
               .angular_velocity = {0.2, 0.1, 0.3}});
   std::optional<Run> run(new_run(kScene, std::move(setup), path));
   for (int count = 0;; ++count) {
-    if (run->advance([&](const Run&) { return !stops; }) == RunEnd::finished) return count;
+    if (run->advance({.watch = [&](const Run&) { return !stops; }}) == RunEnd::finished) return count;
     run.reset();  // the file takes one writer at a time
     run.emplace(Run::resume(path));
   }
@@ -166,6 +166,9 @@ time_step = 5e-3
 [stage.spin]
 path = [[0, 20]]
 axis_drop = 0.3
+axis_hold = 0
+check_interval = 0.1
+remnant_gap = 1e6
 after_failure = 2
 on_failure = "{}"
 [output]
@@ -174,7 +177,7 @@ remnant_gap = 1e6
 )",
                                 on_failure),
                     std::move(setup), path);
-  EXPECT_EQ(run.advance([](const Run&) { return true; }), RunEnd::finished);
+  EXPECT_EQ(run.advance({}), RunEnd::finished);
 }
 
 TEST(Run, EndsAWhileAfterThePileHasFailed) {
@@ -242,7 +245,7 @@ duration = 0.1
 series_interval = 0.1
 )",
                     std::move(setup), path);
-  EXPECT_EQ(run.advance([](const Run&) { return true; }), RunEnd::finished);
+  EXPECT_EQ(run.advance({}), RunEnd::finished);
 }
 
 TEST(Run, SpringsOutliveTheStage) {

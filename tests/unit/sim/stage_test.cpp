@@ -151,7 +151,6 @@ include_shed = {}
     two.state.remnant = {1, 0};
     two.state.clock.stage_start = 40.0;  // the path counts from there
     two.begin();
-    two.state.control.active = true;
     two.advance(5);
     // The last correction was at the fourth step.
     const double rate = 2.0 * kPi / (100.0 - 50.0 * 4e-3);

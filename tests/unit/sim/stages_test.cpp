@@ -33,8 +33,7 @@ std::vector<StageReport> run(const std::string& text, Setup setup, const std::fi
                              Operation operation = {}) {
   std::vector<StageReport> reports;
   Run run = new_run(text, std::move(setup), path, std::move(operation));
-  EXPECT_EQ(run.advance([](const Run&) { return true; }, [&](const StageReport& r) { reports.push_back(r); }),
-            RunEnd::finished);
+  EXPECT_EQ(run.advance({.report = [&](const StageReport& r) { reports.push_back(r); }}), RunEnd::finished);
   return reports;
 }
 
@@ -203,6 +202,7 @@ stiffness = 1e6
 name = "meet"
 duration = 100
 quiet_speed = 0.05
+quiet_interval = 0.1
 [[stage]]
 name = "part"
 duration = 5
@@ -286,7 +286,7 @@ stiffness = {}
 )",
                                           soft, stiffness),
                               balls({{0.0, 0.0, 0.0}, {0.0, 0.0, distance}}), folder / "run.h5");
-    pile.advance([](const auto&) { return true; });
+    pile.advance({});
     return pile.burst();
   };
   EXPECT_NEAR(burst(stiff), 0.5 * (stiff - soft) * overlap * overlap / energy, 1e-3 * burst(stiff));
