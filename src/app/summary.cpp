@@ -69,12 +69,12 @@ const std::vector<Row>& rows() {
        [](auto& v) { return v.control().failed ? duration_text(v.control().failure_time) : "-"; }},
       {"c/a at rest, limit",
        [](auto& v) {
-         return v.control().start_ratio > 0.0
+         return v.control().settled
                     ? fmt::format("{:.3f}, {:.3f}", v.control().start_ratio, v.control().limit_ratio)
                     : std::string("-");
        }},
       {"a fall must last",
-       [](auto& v) { return v.control().start_ratio > 0.0 ? duration_text(v.control().hold) : "-"; }},
+       [](auto& v) { return v.control().settled ? duration_text(v.control().hold) : "-"; }},
       {"b/a, c/a at the end",
        [](auto& v) {
          return text("{:.3f}", last(v, "b_over_a")) + ", " + text("{:.3f}", last(v, "c_over_a"));
@@ -82,9 +82,8 @@ const std::vector<Row>& rows() {
       {"period at the end", [](auto& v) { return period_text(last(v, "period")); }},
       {"coordination before spin-up",
        [](auto& v) {
-         return v.control().start_ratio > 0.0
-                    ? text("{:.2f}", value_at(v, "coordination", v.control().start_time))
-                    : std::string("-");
+         return v.control().settled ? text("{:.2f}", value_at(v, "coordination", v.control().start_time))
+                                    : std::string("-");
        }},
       {"coordination at the end", [](auto& v) { return text("{:.2f}", last(v, "coordination")); }},
       {"bodies shed", [](auto& v) { return text("{:.0f}", last(v, "shed_bodies")); }},

@@ -15,7 +15,8 @@ namespace cairn {
 
 namespace {
 
-constexpr double kAtRest = 1e-4;           // agitation over gravitational energy
+constexpr double kAtRest = 1e-3;           // agitation over gravitational energy
+constexpr double kJump = 0.05;             // centrifugal over gravitational pull at the surface
 constexpr double kPeriodResolution = 3.6;  // s, of the failure period: 0.001 h
 
 /// Agitation over the pile's gravitational energy as that of a uniform ball, or the energy of its rotation
@@ -139,7 +140,8 @@ std::vector<std::string> control_warnings(const Physics& physics, const State& s
                     "path's start",
                     agitated, kAtRest));
   const double first = 2.0 * kPi / period_at(physics.spin->path, 0.0), rate = state.control.start_rate;
-  if (physics.spin->ramp == 0.0 && std::abs(rate - first) > 0.01 * first)
+  if (physics.spin->ramp == 0.0 &&
+      std::abs(first * first - rate * rate) * physics.fall_time * physics.fall_time > kJump)
     out.push_back(
         fmt::format("control of the spin begins with a jump, from {} to {:.4g} h in one step: give "
                     "spin.ramp, the time for "

@@ -24,7 +24,7 @@ std::vector<std::string> control_warnings(const Physics& physics, const State& s
 /// After a step: imposes the period where a correction is due. Looks at the pile where that is due: finds the
 /// bodies that belong to it, and its failure. The pile has failed when its c/a has been below that of the
 /// pile at rest by more than `axis_drop` for `axis_hold`; failure is when that fall began [Zhang et al. 2021,
-/// section 2.3: 1 %]. Until the pile has been at rest under control (agitation below 1e-4 of its
+/// section 2.3: 1 %]. Until the pile has been at rest under control (agitation below 1e-3 of its
 /// gravitational energy) the reference follows its shape, and no fall counts.
 void control_spin(const Physics& physics, const std::vector<std::uint8_t>& everyone, State& state);
 

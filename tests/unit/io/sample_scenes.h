@@ -71,9 +71,13 @@ name = "spin-up"
 duration = 147000
 [stage.spin]
 path = [[0, 18000], [7000, 10800], [147000, 8136]]
+ramp = 500
 control_interval = 60
+check_interval = 30
+remnant_gap = 0.15
 on_failure = "keep"
 axis_drop = 0.02
+axis_hold = 400
 include_shed = true
 after_failure = 3600
 
@@ -239,6 +243,7 @@ duration = 100
 gravity = "none"
 field = [0, 0, -9.81]
 quiet_speed = 0.01
+quiet_interval = 5
 [[stage]]
 name = "settle"
 duration = 100

@@ -91,7 +91,11 @@ TEST(Scene, StagesAndOutputArrive) {
   ASSERT_EQ(spin.path.size(), 3u);
   EXPECT_EQ(spin.path[1].time, 7000.0);
   EXPECT_EQ(spin.path[1].period, 10800.0);
+  EXPECT_EQ(spin.ramp, 500.0);
   EXPECT_EQ(spin.control_interval, 60.0);
+  EXPECT_EQ(spin.check_interval, 30.0);
+  EXPECT_EQ(spin.remnant_gap, 0.15);
+  EXPECT_EQ(spin.axis_hold, 400.0);
   EXPECT_EQ(spin.on_failure, OnFailure::keep);
   EXPECT_EQ(spin.axis_drop, 0.02);
   EXPECT_TRUE(spin.include_shed);
