@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "core/error.h"
+#include "core/safe_file.h"
 #include "models.h"
 
 namespace {
@@ -35,7 +36,7 @@ int main(int argc, char** argv) {
     for (const auto& [file, mesh] : cairn::models::all()) {
       const std::filesystem::path path = std::filesystem::path(argv[1]) / file;
       if (argc == 2) {
-        cairn::write_obj(mesh, path, 1.0, kDigits);
+        cairn::write_file(path, cairn::obj_text(mesh, 1.0, kDigits), true);
         continue;
       }
       // Neither order of triangles nor of vertices is lost by writing and reading: welding numbers vertices

@@ -11,6 +11,7 @@
 #include "app/summary.h"
 #include "core/error.h"
 #include "core/random.h"
+#include "core/safe_file.h"
 
 namespace cairn {
 
@@ -174,6 +175,7 @@ void draw_film(const Options& options, const ResultView& view, const render::Sty
 }
 
 void draw_picture(const Options& options, const std::vector<ResultView>& views, const render::Style& style) {
+  require_writable(options.output, true);
   std::vector<render::Image> panels;
   std::size_t columns = 1;
   for (const ResultView& view : views) {
@@ -211,7 +213,7 @@ void add_render_command(CLI::App& app) {
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("render", "draw snapshots to PNG, or all of them to an MP4 film");
   command->add_option("results", o->results, "result files, one row of panels each")->required();
-  command->add_option("-o,--output", o->output, "FILE.png or FILE.mp4")->required();
+  command->add_option("-o,--output", o->output, "FILE.png or FILE.mp4, replaced if it is there")->required();
   command
       ->add_option("--at", o->at,
                    "snapshots, one panel each: a number, first, last, failure, all, or a stage")

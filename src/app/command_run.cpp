@@ -8,6 +8,7 @@
 #include "app/run_loop.h"
 #include "app/summary.h"
 #include "core/error.h"
+#include "io/xdmf.h"
 #include "pile/assemble.h"
 #include "pile/operate.h"
 #include "sim/run.h"
@@ -34,6 +35,7 @@ void start(const Options& options) {
   if (!scene.pile.empty() && std::filesystem::equivalent(scene.pile, output, none))
     throw InputError("{}: the scene starts from this file; give the result another name", output.string());
   ResultFile results = ResultFile::create(output, attributes.table(), options.force);
+  require_sidecar(output);
   Run run = naming(options.scene.string(), [&] {
     Setup setup = assemble(scene);
     return Run(std::move(scene), std::move(setup), std::move(results), operate);
@@ -44,6 +46,7 @@ void start(const Options& options) {
 }
 
 void resume(const Options& options) {
+  require_sidecar(options.output);
   Run run = Run::resume(options.output, operate);
   run_to_end(std::move(run));
   print_summary({options.output});

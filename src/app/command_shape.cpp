@@ -10,6 +10,7 @@
 #include "app/render/draw.h"
 #include "app/status_line.h"
 #include "core/error.h"
+#include "core/safe_file.h"
 #include "shape/fit.h"
 #include "shape/library.h"
 #include "shape/principal_frame.h"
@@ -30,6 +31,7 @@ struct ShowOptions {
 struct CheckOptions {
   std::filesystem::path mesh, output;
   double unit = 1.0;
+  bool force = false;
 };
 struct FitCommandOptions {
   std::filesystem::path mesh, output;
@@ -41,6 +43,7 @@ struct FitCommandOptions {
 void check_picture(const std::string& name) {
   if (!name.empty() && std::filesystem::path(name).extension() != ".png")
     throw InputError("{}: expected a name that ends in .png", name);
+  if (!name.empty()) require_writable(name, true);
 }
 
 /// How far a fit is, while it lasts.
@@ -107,6 +110,7 @@ void print_source(const SourceMesh& source) {
 }
 
 void check_mesh(const CheckOptions& options) {
+  const FileDescriptor old = options.output.empty() ? FileDescriptor{} : claim(options.output, options.force);
   const SolidMesh solid = load_solid(options.mesh, options.unit);
   const TriangleMesh& surface = solid.surface;
   const MassProperties mass = mass_of(surface);
@@ -133,7 +137,7 @@ void check_mesh(const CheckOptions& options) {
   for (Eigen::Index k = 0; k < 3; ++k) fmt::print("  axis {}        {}\n", k + 1, triple(frame.axes.col(k)));
   fmt::print("  DEEVE         {} m, full axes\n", triple(axes));
   if (options.output.empty()) return;
-  write_obj(in_principal_frame(surface, mass), options.output, options.unit);
+  write_file(options.output, obj_text(in_principal_frame(surface, mass), options.unit), options.force);
   fmt::print("wrote {}: centroid at the origin, principal axes along x, y, z\n", options.output.string());
 }
 
@@ -144,8 +148,7 @@ void fit_shape(const FitCommandOptions& options) {
     output = options.fit.spheres > 0
                  ? fmt::format("{}-{}.toml", options.mesh.stem().string(), options.fit.spheres)
                  : fmt::format("{}.toml", options.mesh.stem().string());
-  if (fs::exists(output) && !options.force)
-    throw InputError("{}: exists already; choose another file with -o, or --force", output.string());
+  const FileDescriptor old = claim(output, options.force);
   const SolidMesh solid = load_solid(options.mesh, options.unit);
   for (const std::string& repair : solid.repairs) fmt::print("repaired: {}\n", repair);
   if (!solid.warning.empty()) spdlog::warn("{}: {}", options.mesh.string(), solid.warning);
@@ -162,7 +165,7 @@ void fit_shape(const FitCommandOptions& options) {
   shape.description =
       fmt::format("{} spheres for {}, RMS distance of the surfaces {:.3g} reference radii",
                   shape.radii.size(), options.mesh.filename().string(), shape.source->error.rms);
-  naming(options.mesh.string(), [&] { save_shape(shape, output); });
+  naming(options.mesh.string(), [&] { save_shape(shape, output, options.force); });
   fmt::print("{}: {} spheres\n", output.string(), shape.radii.size());
   print_source(*shape.source);
   constexpr double kAstray = 0.5;
@@ -246,6 +249,7 @@ void add_shape_commands(CLI::App& app) {
   check_command->add_option("--unit", check->unit, "metres of one unit of the file")->check(unit);
   check_command->add_option("-o,--output", check->output,
                             "write the mesh to this OBJ file, centred and turned to its principal axes");
+  check_command->add_flag("--force", check->force, "replace that file if it exists");
   check_command->callback([check] { check_mesh(*check); });
 
   auto fit = std::make_shared<FitCommandOptions>();

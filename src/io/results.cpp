@@ -68,7 +68,6 @@ auto ResultFile::reading(Work&& work) const {
 }
 
 ResultFile ResultFile::create(const fs::path& path, const FieldTable& attributes, bool overwrite) {
-  survive_file_size_limit();
   ResultFile result;
   result.path_ = path;
   result.file_ = claim(path, overwrite);
@@ -88,7 +87,6 @@ ResultFile ResultFile::open(const fs::path& path) {
 }
 
 ResultFile ResultFile::open_to_continue(const fs::path& path) {
-  survive_file_size_limit();
   return load(path, open_locked(path), true);
 }
 

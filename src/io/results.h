@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "io/fields.h"
-#include "io/safe_file.h"
+#include "core/safe_file.h"
 
 namespace cairn {
 

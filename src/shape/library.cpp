@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "core/error.h"
+#include "core/safe_file.h"
 #include "core/suggest.h"
 #include "shape/mesh.h"
 #include "shape/shape_file.h"
@@ -83,15 +84,10 @@ Shape load_shape(const std::string& name_or_path, const fs::path& base) {
   return parse_shape(read_text(path), path.string());
 }
 
-void save_shape(const Shape& shape, const fs::path& path) {
+void save_shape(const Shape& shape, const fs::path& path, bool overwrite) {
   const std::string text = shape_text(shape);
   make_rigid(parse_shape(text, path.string() + " (not written)"), MassModel::mesh);
-  std::ofstream file(path, std::ios::binary);
-  if (!file) throw InputError("{}: cannot be written", path.string());
-  if (file.write(text.data(), static_cast<std::streamsize>(text.size())) && file.flush()) return;
-  std::error_code ignored;
-  if (fs::is_regular_file(path, ignored)) fs::remove(path, ignored);
-  throw InputError("{}: cannot be written", path.string());
+  write_file(path, text, overwrite);
 }
 
 }  // namespace cairn

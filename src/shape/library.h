@@ -16,8 +16,8 @@ std::vector<std::string> library_names();
 /// @throws InputError naming file, line, column and key when the file is missing or not a valid shape.
 Shape load_shape(const std::string& name_or_path, const std::filesystem::path& base = ".");
 
-/// Writes a shape file. @throws InputError, and leaves no file, when it cannot be written or its readers
-/// would not take it.
-void save_shape(const Shape& shape, const std::filesystem::path& path);
+/// Writes a shape file; one that is there is replaced only with `overwrite`. @throws InputError, and leaves
+/// what was there, when it cannot be written or its readers would not take it.
+void save_shape(const Shape& shape, const std::filesystem::path& path, bool overwrite);
 
 }  // namespace cairn

@@ -333,16 +333,14 @@ TriangleMesh load_mesh(const std::filesystem::path& path, double unit, Welding* 
   return parse_mesh(bytes, mesh_kind(path), name, unit, kSeconds, welding);
 }
 
-void write_obj(const TriangleMesh& mesh, const std::filesystem::path& path, double unit, int digits) {
+std::string obj_text(const TriangleMesh& mesh, double unit, int digits) {
   std::string text;
   auto out = std::back_inserter(text);
   for (const Vec3& x : mesh.vertices)
     fmt::format_to(out, "v {1:.{0}g} {2:.{0}g} {3:.{0}g}\n", digits, x.x() / unit, x.y() / unit,
                    x.z() / unit);
   for (const auto& [a, b, c] : mesh.triangles) fmt::format_to(out, "f {} {} {}\n", a + 1, b + 1, c + 1);
-  std::ofstream file(path, std::ios::binary);
-  if (!file || !file.write(text.data(), static_cast<std::streamsize>(text.size())) || !file.flush())
-    throw InputError("{}: cannot be written", path.string());
+  return text;
 }
 
 }  // namespace cairn

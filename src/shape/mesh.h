@@ -54,9 +54,7 @@ TriangleMesh make_mesh(const std::vector<std::array<float, 3>>& vertices,
 /// area or repeat another's vertices. Vertices that no triangle uses are left out.
 TriangleMesh weld(const TriangleMesh& mesh, double tolerance, Welding* welding = nullptr);
 
-/// Writes an OBJ file with the given number of significant digits, lengths in units of `unit` metres.
-/// @throws InputError when it cannot be written.
-void write_obj(const TriangleMesh& mesh, const std::filesystem::path& path, double unit = 1.0,
-               int digits = 17);
+/// The text of an OBJ file with the given number of significant digits, lengths in units of `unit` metres.
+std::string obj_text(const TriangleMesh& mesh, double unit = 1.0, int digits = 17);
 
 }  // namespace cairn

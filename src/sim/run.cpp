@@ -8,7 +8,6 @@
 #include "analysis/budget.h"
 #include "core/error.h"
 #include "core/timer.h"
-#include "io/xdmf.h"
 #include "sim/display.h"
 #include "sim/fields.h"
 #include "sim/make_perturbers.h"
@@ -265,7 +264,7 @@ void Run::commit(bool last) {
     results_.finish(table, kFinished);
   else
     results_.commit(table);
-  write_xdmf(results_);
+  sidecar_.update(results_);
 }
 
 RunEnd Run::advance(const Listener& listener) {
@@ -285,7 +284,10 @@ RunEnd Run::advance(const Listener& listener) {
           if (state_.clock.total_steps == 0) commit(false);
         }
         what = follow();
-        if (what.empty()) return RunEnd::interrupted;
+        if (what.empty()) {
+          sidecar_.write(results_);
+          return RunEnd::interrupted;
+        }
       }
       const StageReport done = end_stage(std::move(what), wall_seconds() - start);
       if (listener_.report) listener_.report(done);
@@ -296,6 +298,7 @@ RunEnd Run::advance(const Listener& listener) {
     }
   } catch (const UnstableError& error) {
     results_.abandon(error.what());  // what was measured until now stays; the checkpoint is the last good one
+    sidecar_.update(results_);
     throw;
   }
 }

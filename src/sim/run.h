@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "io/results.h"
+#include "io/xdmf.h"
 #include "sim/observe.h"
 #include "sim/physics.h"
 #include "sim/setup.h"
@@ -77,6 +78,7 @@ class Run {
 
   Scene scene_;
   ResultFile results_;
+  Sidecar sidecar_;
   std::vector<std::string> shapes_;
   std::vector<ContactRecord> inherited_;  ///< contacts between two stages
   std::vector<Wall> walls_;               ///< of the scene

@@ -1,4 +1,6 @@
 // Piles made by stages of every kind: resumed, on two threads, drawn, and taken on by another scene.
+#include <fmt/format.h>
+
 #include <csignal>
 
 #include "cli/program.h"

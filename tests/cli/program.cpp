@@ -13,6 +13,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
 #include <thread>
@@ -33,12 +34,14 @@ namespace {
 /// In the child: everything up to the program itself.
 [[noreturn]] void become_cairn(const Folder& folder, const std::vector<std::string>& arguments,
                                const Circumstances& with) {
-  const auto redirect = [&](const char* name, int to) {
-    const int fd = open((folder / name).c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  const auto redirect = [&](const fs::path& name, int to) {
+    const int fd = open((folder.path() / name).c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
     if (fd < 0 || dup2(fd, to) < 0) _exit(126);
   };
-  redirect(".out", STDOUT_FILENO);
+  redirect(with.out, STDOUT_FILENO);
   redirect(".err", STDERR_FILENO);
+  for (const int fd : with.closed) close(fd);
+  for (const auto& [name, value] : with.environment) setenv(name.c_str(), value.c_str(), 1);
   if (chdir((folder / "").c_str()) != 0) _exit(126);
   setenv("OMP_WAIT_POLICY", "passive", 1);  // threads share the cores with other tests
   setenv("OMP_NUM_THREADS", std::to_string(with.threads).c_str(), 1);
@@ -78,9 +81,30 @@ Outcome cairn(const Folder& folder, const std::vector<std::string>& arguments, c
   Outcome outcome;
   if (WIFEXITED(status)) outcome.code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) outcome.signal = WTERMSIG(status);
-  outcome.out = read_bytes(folder / ".out");
+  outcome.out = read_bytes(folder.path() / with.out);
   outcome.err = read_bytes(folder / ".err");
   return outcome;
+}
+
+std::map<std::string, std::string> fault(const fs::path& paths, const std::string& deed, std::size_t at,
+                                         const std::string& call) {
+  std::map<std::string, std::string> environment{{"LD_PRELOAD", CAIRN_FAULT_SHIM},
+                                                 {"FAULT_PATHS", paths.string()},
+                                                 {"FAULT_DEED", deed},
+                                                 {"FAULT_AT", std::to_string(at)}};
+  if (!call.empty()) environment["FAULT_CALL"] = call;
+  return environment;
+}
+
+std::vector<std::string> calls(const Folder& folder, const std::vector<std::string>& arguments,
+                               const fs::path& paths) {
+  auto environment = fault(paths, "nothing", 0);
+  environment["FAULT_LOG"] = (folder / ".calls").string();
+  const Outcome end = cairn(folder, arguments, {.environment = environment});
+  EXPECT_TRUE(succeeded(end));
+  std::istringstream log(read_bytes(folder / ".calls"));
+  fs::remove(folder / ".calls");
+  return {std::istream_iterator<std::string>(log), {}};
 }
 
 std::size_t lines(const std::string& text) {

@@ -32,11 +32,23 @@ struct Circumstances {
   int threads = 1;
   std::optional<Stop> stop = {};
   std::optional<std::uint64_t> file_size_limit = {};  ///< bytes, RLIMIT_FSIZE
+  std::vector<int> closed = {};                       ///< of the descriptors 0, 1 and 2
+  std::filesystem::path out = ".out";                 ///< where stdout goes
+  std::map<std::string, std::string> environment = {};
 };
 
 /// Runs `cairn ARGUMENTS` to its end, with the folder as the working directory.
 Outcome cairn(const Folder& folder, const std::vector<std::string>& arguments,
               const Circumstances& with = {});
+
+/// The environment in which the program's call number `at` (from 1) on files whose path begins with `paths`,
+/// of those named `call` if given, meets `deed`: see fault_shim.c.
+std::map<std::string, std::string> fault(const std::filesystem::path& paths, const std::string& deed,
+                                         std::size_t at, const std::string& call = "");
+
+/// The names of all such calls that a program makes.
+std::vector<std::string> calls(const Folder& folder, const std::vector<std::string>& arguments,
+                               const std::filesystem::path& paths);
 
 /// One line on stderr that contains `words`, exit code 2.
 testing::AssertionResult refused(const Outcome& outcome, const std::vector<std::string>& words);

@@ -1,4 +1,6 @@
 // A run that was stopped or killed and resumed gives the same bits as one that was not.
+#include <fmt/format.h>
+
 #include <csignal>
 #include <random>
 

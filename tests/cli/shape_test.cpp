@@ -152,7 +152,7 @@ TEST(ShapeCommand, AMeshBecomesAShapeInAScene) {
   folder.write("meshes/block.obj", block(kFacets));
   const Outcome fit = cairn(folder, {"shape", "fit", "meshes/block.obj", "--spheres", "8", "--unit", "10",
                                      "-o", "shapes/block.toml"});
-  EXPECT_TRUE(refused(fit, {"shapes/block.toml: cannot be written"}));
+  EXPECT_TRUE(refused(fit, {"shapes/block.toml: there is no folder shapes"}));
   std::filesystem::create_directory(folder / "shapes");
   const Outcome again = cairn(folder, {"shape", "fit", "meshes/block.obj", "--spheres", "8", "--unit", "10",
                                        "-o", "shapes/block.toml"});

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -11,7 +12,6 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <string>
 
 #include "core/error.h"
@@ -19,13 +19,7 @@
 namespace cairn::render {
 namespace {
 
-/// A file without a name for the words of ffmpeg, or -1.
-int nameless_file() {
-  std::string name = (std::filesystem::temp_directory_path() / "cairn-film-XXXXXX").string();
-  const int file = ::mkostemp(name.data(), O_CLOEXEC);
-  if (file >= 0) ::unlink(name.c_str());
-  return file;
-}
+constexpr int kOutput = 3;  // the descriptor of the film in ffmpeg
 
 /// The last line of a file that is not empty.
 std::string last_line(int file) {
@@ -43,18 +37,18 @@ int even(int side) {
   return side + side % 2;
 }
 
-std::vector<std::string> arguments(int width, int height, double rate, const std::filesystem::path& file) {
+std::vector<std::string> arguments(int width, int height, double rate) {
   return {"ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pixel_format", "rgb24",
           "-video_size", fmt::format("{}x{}", even(width), even(height)), "-framerate",
           fmt::format("{}", rate), "-i", "pipe:0", "-an", "-c:v", "libx264", "-preset", "medium", "-crf",
           "17", "-vf", "scale=out_color_matrix=bt709:out_range=tv", "-pix_fmt", "yuv420p", "-colorspace",
           "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-movflags", "+faststart", "-f", "mp4",
-          // "file:" keeps names with a colon or a leading dash from being taken for something else.
-          "file:" + file.string()};
+          // By descriptor: whatever becomes of names meanwhile, only the file that we have made is written.
+          fmt::format("file:/proc/self/fd/{}", kOutput)};
 }
 
-/// Starts ffmpeg with the given standard input and error; returns 0 or an errno.
-int spawn(pid_t& child, int input, int errors, std::vector<std::string> words) {
+/// Starts ffmpeg with the given standard input and error, and the file to write; returns 0 or an errno.
+int spawn(pid_t& child, int input, int errors, int output, std::vector<std::string> words) {
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -63,6 +57,7 @@ int spawn(pid_t& child, int input, int errors, std::vector<std::string> words) {
   posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, errors, STDERR_FILENO);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, output, kOutput);
   const int result = ::posix_spawnp(&child, "ffmpeg", &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   return result;
@@ -70,55 +65,46 @@ int spawn(pid_t& child, int input, int errors, std::vector<std::string> words) {
 
 }  // namespace
 
-void Descriptor::close() {
-  if (number_ >= 0) ::close(number_);
-  number_ = -1;
-}
-
 Film::Film(std::filesystem::path path, int width, int height, double frames_per_second)
-    : path_(std::move(path)), part_(path_.string() + ".part"), width_(width), height_(height) {
+    : path_(std::move(path)), width_(width), height_(height), next_(path_) {
   if (width < 2 || height < 2 || !std::isfinite(frames_per_second) || frames_per_second <= 0.0)
     throw InputError("cannot make {}: a film of {} x {} pixels and {} frames per second", path_.string(),
                      width, height, frames_per_second);
-  // Asked here, because ffmpeg would only say so after the first frames have been drawn.
-  const int trial = ::open(part_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-  if (trial < 0) throw InputError("cannot write {}: {}", path_.string(), std::strerror(errno));
-  ::close(trial);
-  errors_.reset(nameless_file());
+  require_writable(path_, true);
+  remove_leftovers(path_);
+  errors_ = FileDescriptor(::memfd_create("ffmpeg", MFD_CLOEXEC));
   // A socket and not a pipe: writing to a dead ffmpeg is then an error and no SIGPIPE, in any thread.
   int ends[2] = {-1, -1};
   int result = 0;
-  if (errors_.get() < 0 || ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) result = errno;
-  pipe_.reset(ends[0]);
-  const Descriptor input(ends[1]);
+  if (!errors_ || ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) result = errno;
+  pipe_ = FileDescriptor(ends[0]);
+  const FileDescriptor input(ends[1]);
   if (result == 0)
-    result = spawn(child_, input.get(), errors_.get(), arguments(width, height, frames_per_second, part_));
+    result =
+        spawn(child_, input.get(), errors_.get(), next_.fd(), arguments(width, height, frames_per_second));
   if (result == 0) return;
-  ::unlink(part_.c_str());
+  child_ = -1;
   if (result == ENOENT)
     throw InputError("cannot make {}: the program ffmpeg is not installed", path_.string());
-  throw InputError("cannot make {}: ffmpeg does not start: {}", path_.string(), std::strerror(result));
+  throw InputError("cannot make {}: ffmpeg does not start: {}", path_.string(), reason(result));
 }
 
 Film::~Film() {
   if (child_ < 0) return;
   ::kill(child_, SIGKILL);
   wait();
-  ::unlink(part_.c_str());
 }
 
 int Film::wait() {
-  pipe_.close();
+  pipe_ = FileDescriptor{};
   int status = 0;
-  while (::waitpid(child_, &status, 0) < 0 && errno == EINTR) {
-  }
+  uninterrupted([&] { return ::waitpid(child_, &status, 0); });
   child_ = -1;
   return status;
 }
 
 void Film::fail() {
   if (child_ >= 0) wait();
-  ::unlink(part_.c_str());
   const std::string words = last_line(errors_.get());
   throw InputError("cannot make {}: ffmpeg failed: {}", path_.string(),
                    words.empty() ? "no reason given" : words);
@@ -138,8 +124,8 @@ void Film::add(const Image& frame) {
     if (width_ % 2 == 1) std::copy_n(from + 3 * (width_ - 1), 3, to + 3 * width_);
   }
   for (std::size_t sent = 0; sent < bytes.size();) {
-    const ssize_t count = ::send(pipe_.get(), bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
-    if (count < 0 && errno == EINTR) continue;
+    const ssize_t count = uninterrupted(
+        [&] { return ::send(pipe_.get(), bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL); });
     if (count <= 0) fail();
     sent += static_cast<std::size_t>(count);
   }
@@ -148,11 +134,8 @@ void Film::add(const Image& frame) {
 void Film::finish() {
   if (child_ < 0) return;
   if (wait() != 0) fail();
-  if (::rename(part_.c_str(), path_.c_str()) != 0) {
-    const int reason = errno;
-    ::unlink(part_.c_str());
-    throw InputError("cannot write {}: {}", path_.string(), std::strerror(reason));
-  }
+  next_.install(true);
+  sync_folder(path_);
 }
 
 void write_film(const std::vector<Image>& frames, const std::filesystem::path& path,

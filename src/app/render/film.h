@@ -7,27 +7,9 @@
 #include <vector>
 
 #include "app/render/image.h"
+#include "core/safe_file.h"
 
 namespace cairn::render {
-
-/// A file descriptor that closes itself.
-class Descriptor {
- public:
-  explicit Descriptor(int number = -1) : number_(number) {}
-  ~Descriptor() { close(); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-
-  int get() const { return number_; }
-  void reset(int number) {
-    close();
-    number_ = number;
-  }
-  void close();
-
- private:
-  int number_;
-};
 
 /// Writes an H.264 film (yuv420p, BT.709, mp4) frame by frame, so that no film has to fit into memory. The
 /// file appears under its name when finish() succeeds; a Film destroyed before leaves nothing behind.
@@ -44,18 +26,20 @@ class Film {
   /// @throws InputError for a frame of another size, or with ffmpeg's own words when it has given up.
   void add(const Image& frame);
 
-  /// Closes and renames the file. @throws InputError with ffmpeg's own words when it failed.
+  /// Closes the file and gives it its name; replaces one that is there. @throws InputError with ffmpeg's own
+  /// words when it failed.
   void finish();
 
  private:
   [[noreturn]] void fail();
   int wait();
 
-  std::filesystem::path path_, part_;
+  std::filesystem::path path_;
   int width_, height_;
+  Replacement next_;
   pid_t child_ = -1;
-  Descriptor pipe_;    // to ffmpeg's standard input
-  Descriptor errors_;  // nameless file that takes ffmpeg's standard error
+  FileDescriptor pipe_;    // to ffmpeg's standard input
+  FileDescriptor errors_;  // nameless file that takes ffmpeg's standard error
 };
 
 /// All frames at once. @throws InputError as Film does, or when there are no frames.

@@ -1,29 +1,22 @@
 #include "app/render/image.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
+#include <new>
+#include <string>
 
 #include "app/render/surface.h"
 #include "core/error.h"
+#include "core/safe_file.h"
 
 namespace cairn::render {
 namespace {
 
-cairo_status_t write_bytes(void* descriptor, const unsigned char* data, unsigned int size) {
-  const int file = *static_cast<int*>(descriptor);
-  while (size > 0) {
-    const ssize_t written = ::write(file, data, size);
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return CAIRO_STATUS_WRITE_ERROR;
-    data += written;
-    size -= static_cast<unsigned int>(written);
-  }
+cairo_status_t add_bytes(void* text, const unsigned char* data, unsigned int size) try {
+  static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(data), size);
   return CAIRO_STATUS_SUCCESS;
+} catch (const std::bad_alloc&) {
+  return CAIRO_STATUS_NO_MEMORY;
 }
 
 }  // namespace
@@ -43,26 +36,12 @@ Image Image::filled(int width, int height, const Vec3& color) {
 }
 
 void write_png(const Image& image, const std::filesystem::path& path) {
-  const std::filesystem::path part = path.string() + ".part";
-  int file = ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file < 0) throw InputError("cannot write {}: {}", path.string(), std::strerror(errno));
-  bool whole = false;
-  errno = 0;
-  try {
-    const Surface surface = to_surface(image);
-    whole = cairo_surface_write_to_png_stream(surface.get(), write_bytes, &file) == CAIRO_STATUS_SUCCESS &&
-            ::fsync(file) == 0;
-  } catch (...) {
-    ::close(file);
-    ::unlink(part.c_str());
-    throw;
-  }
-  whole = ::close(file) == 0 && whole;
-  if (!whole || ::rename(part.c_str(), path.c_str()) != 0) {
-    const int reason = errno;
-    ::unlink(part.c_str());
-    throw InputError("cannot write {}: {}", path.string(), std::strerror(reason));
-  }
+  std::string png;
+  const Surface surface = to_surface(image);
+  const cairo_status_t status = cairo_surface_write_to_png_stream(surface.get(), add_bytes, &png);
+  if (status != CAIRO_STATUS_SUCCESS)
+    throw InputError("{}: the picture cannot be made: {}", path.string(), cairo_status_to_string(status));
+  write_file(path, png, true);
 }
 
 Image grid(const std::vector<Image>& panels, int columns, int gap, const Vec3& color) {

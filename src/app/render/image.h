@@ -25,7 +25,7 @@ struct Image {
   bool operator==(const Image&) const = default;
 };
 
-/// Writes a PNG under a temporary name and renames it, so a reader never meets half a file.
+/// Writes a PNG as write_file does; replaces a file that is there.
 /// @throws InputError when the file cannot be written.
 void write_png(const Image& image, const std::filesystem::path& path);
 

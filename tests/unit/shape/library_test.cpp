@@ -187,11 +187,11 @@ TEST_F(LibraryTest, MeshesAreNotShapes) {
 
 TEST_F(LibraryTest, OnlyShapesThatReadBackAreWritten) {
   Shape shape{.name = "grain", .description = "", .centers = {Vec3::Zero()}, .radii = {1.0}};
-  save_shape(shape, directory_ / "grain.toml");
+  save_shape(shape, directory_ / "grain.toml", false);
   EXPECT_EQ(load_shape("grain.toml", directory_).name, "grain");
   const auto refused = [&](const Shape& bad, const std::string& words) {
     try {
-      save_shape(bad, directory_ / "bad.toml");
+      save_shape(bad, directory_ / "bad.toml", true);
       ADD_FAILURE() << words;
     } catch (const InputError& error) {
       EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();

@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "core/safe_file.h"
 #include "folder.h"
 #include "models.h"
 #include "shape/self_crossing.h"
@@ -386,7 +387,7 @@ TEST(SolidMesh, FilesTellWhatWasRepaired) {
     }
   mesh.triangles.push_back(mesh.triangles[9]);
   mesh.triangles.push_back({5, 5, 6});
-  write_obj(mesh, path, 0.5);
+  write_file(path, obj_text(mesh, 0.5), true);
   const SolidMesh solid = load_solid(path, 0.5);
   EXPECT_NEAR(mass_of(solid.surface).volume, mass_of(models::boulder(5)).volume, 1e-6);
   ASSERT_EQ(solid.repairs.size(), 4u);
@@ -398,7 +399,7 @@ TEST(SolidMesh, FilesTellWhatWasRepaired) {
   TriangleMesh open = models::cube();
   open.triangles.insert(open.triangles.begin(), {0, 0, 1});
   open.triangles.pop_back();
-  write_obj(open, path);
+  write_file(path, obj_text(open), true);
   try {
     load_solid(path, 1.0);
     ADD_FAILURE();
