@@ -81,7 +81,7 @@ Outcome cairn(const Folder& folder, const std::vector<std::string>& arguments, c
   Outcome outcome;
   if (WIFEXITED(status)) outcome.code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) outcome.signal = WTERMSIG(status);
-  outcome.out = read_bytes(folder.path() / with.out);
+  if (fs::is_regular_file(folder.path() / with.out)) outcome.out = read_bytes(folder.path() / with.out);
   outcome.err = read_bytes(folder / ".err");
   return outcome;
 }
