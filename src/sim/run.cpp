@@ -337,7 +337,6 @@ void Run::leave_stage() {
     if (!state_.walls.empty()) state_.ledger.rebase = true;
   }
   state_.gravity = gravity::HeldGravity{};
-  if (state_.control.failed) state_.region_volume = 0.0;  // the pile has left it
   clock.stage_start = clock.time();
   ++clock.stage;
   clock.step = clock.steps = 0;

@@ -87,6 +87,7 @@ void judge(const Physics& physics, double ratio, State& state) {
   }
   if (time - control.fall_time < control.hold) return;
   control.failed = true;
+  state.region_volume = 0.0;  // the pile no longer fills it
   control.failure_time = control.fall_time;
   control.failure_period = control.fall_period;
   control.failure_ratio = control.fall_ratio;

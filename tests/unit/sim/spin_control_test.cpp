@@ -42,6 +42,7 @@ constexpr const char* kHeld =
 
 TEST(SpinControl, AFallCountsWhenItLasts) {
   Pile pile(kHeld);
+  pile.state.region_volume = 20.0;
   const Control& control = pile.state.control;
   EXPECT_TRUE(control.settled);
   const double whole = control.start_ratio;
@@ -50,10 +51,12 @@ TEST(SpinControl, AFallCountsWhenItLasts) {
   EXPECT_EQ(control.fall_time, 10.0);
   pile.look(Pile::height);  // and back
   EXPECT_LT(control.fall_time, 0.0);
+  EXPECT_EQ(pile.state.region_volume, 20.0);
   for (int k = 0; k < 5; ++k) pile.look(1.2);
   EXPECT_FALSE(control.failed);
   pile.look(1.1);
-  EXPECT_TRUE(control.failed);  // 50 s after it began
+  EXPECT_TRUE(control.failed);               // 50 s after it began
+  EXPECT_EQ(pile.state.region_volume, 0.0);  // the shape it was cut to is gone
   EXPECT_FALSE(control.active);
   EXPECT_EQ(control.failure_time, 60.0);
   EXPECT_EQ(control.failure_period, 1e5);
