@@ -132,6 +132,11 @@ void ResultFile::require_writable() const {
   if (!writable_) throw std::logic_error("the result file is open for reading only");
 }
 
+void ResultFile::write_attributes(const FieldTable& attributes) {
+  require_writable();
+  new_attributes_ = encode(attributes);
+}
+
 void ResultFile::write_static(const std::string& group, const FieldTable& table) {
   require_writable();
   std::erase_if(new_groups_, [&](const Group& g) { return g.name == group; });
@@ -226,10 +231,10 @@ void ResultFile::write_lasting(std::int64_t file, const int& error) const {
   if (!committed_) {
     write_value(file, "format", std::string(kFormat));
     write_value(file, "format_version", kFormatVersion);
-    for (const StoredField& attribute : new_attributes_)
-      h5::write_attribute(file, attribute.name, attribute.value);
     h5::create_group(file, "snapshots");
   }
+  for (const StoredField& attribute : new_attributes_)
+    h5::write_attribute(file, attribute.name, attribute.value);
   for (const Group& group : new_groups_) {
     h5::remove(file, group.name);
     write_fields(h5::create_group(file, group.name), group.fields, error);

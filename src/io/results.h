@@ -43,6 +43,8 @@ class ResultFile {
   /// For reading and adding; no other process can do the same meanwhile.
   static ResultFile open_to_continue(const std::filesystem::path& path);
 
+  /// Replaces attributes given to create().
+  void write_attributes(const FieldTable& attributes);
   /// Adds a group of constants; replaces the one of that name.
   void write_static(const std::string& group, const FieldTable& table);
   void add_snapshot(double time, const std::string& stage, const FieldTable& table, std::uint64_t epoch = 0);
