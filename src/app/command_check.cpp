@@ -75,15 +75,19 @@ void check(const Options& options) {
   load_tracks(scene);
   Setup setup = assemble(scene);
   std::vector<ContactRecord> contacts = std::move(setup.contacts);
+  const std::vector<std::string> notes = std::move(setup.notes), lost = std::move(setup.warnings);
   State state = first_state(std::move(setup));
   const Bodies& bodies = state.bodies;
-  const std::vector<Wall> all_walls = make_walls(scene);
+  std::vector<Wall> all_walls = make_walls(scene);
+  lead_walls(state.wall_lead, all_walls);
   use_threads_for(bodies.spheres.size());
   double mass = 0.0;
   for (double m : bodies.mass) mass += m;
   fmt::print("{}: {}\n{} bodies, {} spheres, {:.4g} kg; escape speed of the pile {:.3g} m/s\n",
              options.scene.string(), scene.title, bodies.size(), bodies.spheres.size(), mass,
              escape_speed(bodies));
+  for (const std::string& note : notes) fmt::print("pile         {}\n", note);
+  for (const std::string& what : lost) fmt::print("warning      {}\n", what);
   std::optional<Trial> trial;  // of the first stage that takes time; the bodies after it are not known
   double seconds = 0.0, held = state.k_n, output = 0.0;  // bytes of snapshots and of the series
   for (std::size_t k = 0; k < scene.stages.size(); ++k) {
@@ -99,7 +103,7 @@ void check(const Options& options) {
     const Physics physics = resolve_physics(scene, k, bodies, k_n);
     const bool first = !trial;
     if (first) {
-      state.walls.walls = walls;
+      set_walls(scene, k, all_walls, std::vector<double>(k + 1, 0.0), state.walls);
       trial = try_stage(scene, physics, contacts, state);
     }
     seconds += static_cast<double>(physics.steps) *
@@ -110,7 +114,7 @@ void check(const Options& options) {
         "  time step  {:.4g} s (longest safe {:.4g} s), {} steps for {:.6g} s\n",
         k, scene.stages[k].name, describe_models(physics, bodies, !walls.empty(), state.box.periodic()),
         physics.k_n, physics.contact_time, physics.contacts.dt, kLongestSafeStep * physics.contact_time,
-        physics.steps, scene.stages[k].duration);
+        physics.steps, scene.stages[k].duration + scene.stages[k].extension);
     if (first) {
       std::vector<std::string> all = warnings(physics, bodies, walls);
       all.insert(all.end(), trial->warnings.begin(), trial->warnings.end());

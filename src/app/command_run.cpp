@@ -4,14 +4,17 @@
 
 #include <CLI/CLI.hpp>
 
+#include "app/arguments.h"
 #include "app/commands.h"
 #include "app/run_loop.h"
 #include "app/summary.h"
 #include "core/build.h"
 #include "core/error.h"
+#include "io/toml_file.h"
 #include "io/xdmf.h"
 #include "pile/assemble.h"
 #include "pile/operate.h"
+#include "sim/extend.h"
 #include "sim/run.h"
 
 namespace cairn {
@@ -40,6 +43,7 @@ void start(const Options& options) {
   require_sidecar(output);
   Run run = naming(options.scene.string(), [&] {
     Setup setup = assemble(scene);
+    for (const std::string& w : setup.warnings) spdlog::warn("{}", w);
     return Run(std::move(scene), std::move(setup), std::move(results), operate);
   });
   for (const std::string& w : run.warnings()) spdlog::warn("{}", w);
@@ -47,11 +51,22 @@ void start(const Options& options) {
   print_summary({output});
 }
 
-void resume(const Options& options) {
-  require_sidecar(options.output);
-  Run run = Run::resume(options.output, operate);
-  run_to_end(std::move(run));
-  print_summary({options.output});
+struct ResumeOptions {
+  std::filesystem::path result, stages;
+  std::optional<double> until;
+};
+
+void resume(const ResumeOptions& options) {
+  require_sidecar(options.result);
+  const bool longer = options.until || !options.stages.empty();
+  Continuation more{.until = options.until};
+  if (!options.stages.empty()) {
+    more.stages = read_text_file(options.stages);
+    more.stages_file = options.stages.string();
+  }
+  run_to_end(longer ? Run::extend(options.result, more, check_operations, operate)
+                    : Run::resume(options.result, operate));
+  print_summary({options.result});
 }
 
 CLI::App* add_start(CLI::App& app, const char* name, const char* help) {
@@ -71,10 +86,16 @@ void add_run_commands(CLI::App& app) {
   add_start(app, "build",
             "make a pile: run the stages of a scene, for other scenes to start from (pile = FILE)");
   add_start(app, "run", "run a scene: progress, checkpoints, results; Ctrl-C leaves a file to resume");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ResumeOptions>();
   CLI::App* command =
       app.add_subcommand("resume", "continue an interrupted run, bitwise as if it had not stopped");
-  command->add_option("result", options->output, "result file of the run")->required();
+  command->add_option("result", options->result, "result file of the run")->required();
+  command
+      ->add_option("--until", options->until,
+                   "let the last stage end at this time (s) of the run, finished or not, in steps as before")
+      ->check(number_from(0.0, 1e15));
+  command->add_option("--add", options->stages,
+                      "let the [[stage]] tables of this file follow the last stage; paths as in the scene");
   command->callback([options] { resume(*options); });
 }
 

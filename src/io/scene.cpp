@@ -159,6 +159,9 @@ class Checks {
       if (!oscillates && given(key + name))
         throw error(key + name, "has no effect without oscillation_amplitude");
     if (oscillates) require(key + ".oscillation_frequency", "there is an oscillation_amplitude");
+    if (!oscillates && given(key + ".motion_time") && !given(key + ".velocity") &&
+        !given(key + ".angular_velocity"))
+      throw error(key + ".motion_time", "has no effect on a wall that does not move");
     if (!given(key + ".rotation_point")) wall.rotation_point = wall.point;
     for (std::size_t i = 0; i < wall.stages.size(); ++i) {
       std::vector<std::string> names;
@@ -240,9 +243,9 @@ class Checks {
       require(key + ".duration", "the stage does not carve, scale or assign");
       return;
     }
-    for (const char* name :
-         {".duration", ".material", ".impact_speed", ".stiffness", ".time_step", ".spin", ".strain_rate",
-          ".packing", ".gravity", ".field", ".quiet_energy", ".quiet_speed", ".quiet_interval"})
+    for (const char* name : {".duration", ".extension", ".material", ".impact_speed", ".stiffness",
+                             ".time_step", ".spin", ".strain_rate", ".packing", ".gravity", ".field",
+                             ".quiet_energy", ".quiet_speed", ".quiet_interval"})
       if (given(key + name))
         throw error(key + name, "has no effect in a stage that carves, scales or assigns");
     if (scene_.box) throw error(key, "a pile in a periodic box cannot be carved, scaled or assigned");
@@ -342,6 +345,7 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::f
   scene.sources = read_options(text, name, scene_keys(), scene);
   scene.text = text;
   scene.directory = directory;
+  scene.files = InputFiles(directory);
   Checks(scene).run();
   return scene;
 }
@@ -371,7 +375,7 @@ Vec3 field_of(const Scene& scene, std::size_t stage) {
 
 double total_duration(const Scene& scene) {
   double duration = 0.0;
-  for (const StageSpec& stage : scene.stages) duration += stage.duration;
+  for (const StageSpec& stage : scene.stages) duration += stage.duration + stage.extension;
   return duration;
 }
 

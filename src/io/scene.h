@@ -10,6 +10,7 @@
 #include "body/cells.h"
 #include "contact/law/material.h"
 #include "core/math.h"
+#include "io/inputs.h"
 #include "io/interval.h"
 #include "io/source.h"
 #include "io/track_rows.h"
@@ -115,6 +116,7 @@ struct WallSpec {
   double oscillation_phase = 0.0;             ///< rad
   Vec3 angular_velocity = Vec3::Zero();       ///< rad/s
   Vec3 rotation_point = Vec3::Zero();         ///< m; `point` when not given
+  std::optional<double> motion_time;          ///< s, that it has moved so before it begins
   std::vector<std::string> stages;            ///< in which it is there; empty: all
 };
 
@@ -206,8 +208,9 @@ struct AssignSpec {
 /// A stretch of the run with its own settings, or an operation on the bodies that takes no time.
 struct StageSpec {
   std::string name;
-  double duration = 0.0;  ///< s; the longest, when it can end earlier
-  std::string material;   ///< replaces every body's material during the stage, when given
+  double duration = 0.0;   ///< s; the longest, when it can end earlier
+  double extension = 0.0;  ///< s, that it goes on after its duration
+  std::string material;    ///< replaces every body's material during the stage, when given
   std::optional<double>
       impact_speed;                 ///< m/s, for the automatic stiffness; the pile's escape speed when absent
   std::optional<double> stiffness;  ///< N/m; replaces contact.stiffness
@@ -257,6 +260,7 @@ struct Scene {
   std::string text;                 ///< the scene file as read
   SourceMap sources;                ///< where each key stands in it, for errors found later
   std::filesystem::path directory;  ///< where relative paths start
+  InputFiles files;                 ///< that it names
 };
 
 /// Reads and validates a scene. Every key is checked against the key table (see scene_keys.cpp).

@@ -160,6 +160,10 @@ const Keys<WallSpec> kWallKeys = {
            "of a rotation about an axis through rotation_point"),
     vector("rotation_point", &WallSpec::rotation_point, "m", kPosition,
            "takes part in translation and oscillation; torques on the wall are about it; absent: point"),
+    number(
+        "motion_time", &WallSpec::motion_time, "s", kTime,
+        "how long it has moved so when it begins; absent: 0, or as long as the same wall at the end of the "
+        "run that the pile comes from"),
     texts("stages", &WallSpec::stages, kName,
           "names of the stages in which the wall is there, its motion counted from the start of the first; "
           "empty: all, from the start of the run"),
@@ -313,6 +317,9 @@ const Keys<StageSpec> kStageKeys = {
     text("name", &StageSpec::name, kName, "of its own").required(),
     number("duration", &StageSpec::duration, "s", kDuration,
            "simulated time, at most; required unless the stage carves, scales or assigns"),
+    number("extension", &StageSpec::extension, "s", kTime,
+           "the stage goes on so long after its duration, with the time step and intervals that follow from "
+           "that; `cairn resume --until` writes it here"),
     text("material", &StageSpec::material, kReference,
          "name of a [[material]] that replaces every body's during the stage; absent: none does"),
     number("impact_speed", &StageSpec::impact_speed, "m/s", within(0, 3e8),

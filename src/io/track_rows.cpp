@@ -6,7 +6,6 @@
 #include "core/error.h"
 #include "gravity/track.h"
 #include "io/options.h"
-#include "io/toml_file.h"
 
 namespace cairn {
 
@@ -25,17 +24,16 @@ void check_track(const TrackRows& rows, double duration,
                                   show(duration), show(rows.front()[0]), show(rows.back()[0])));
 }
 
-TrackRows read_track_file(const std::filesystem::path& path, double duration) {
-  const std::string text = read_text_file(path);
+TrackRows parse_track(std::string_view text, const std::string& file, double duration) {
   TrackRows rows;
   std::vector<std::size_t> lines;
   std::size_t line = 0;
   const auto fail = [&](std::size_t where, const std::string& what) {
-    throw InputError("{}:{}: {}", path.string(), where, what);
+    throw InputError("{}:{}: {}", file, where, what);
   };
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    std::string_view rest = std::string_view(text).substr(begin, end - begin);
+    std::string_view rest = text.substr(begin, end - begin);
     rest = rest.substr(0, rest.find('#'));
     begin = end + 1;
     ++line;

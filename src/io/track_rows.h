@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace cairn {
@@ -17,8 +17,8 @@ using TrackRows = std::vector<std::vector<double>>;
 void check_track(const TrackRows& rows, double duration,
                  const std::function<void(std::size_t, const std::string&)>& fail);
 
-/// Rows of a text file: numbers separated by blanks or commas, '#' begins a comment.
+/// Rows of the text of a file: numbers separated by blanks or commas, '#' begins a comment.
 /// @throws InputError naming file and line.
-TrackRows read_track_file(const std::filesystem::path& path, double duration);
+TrackRows parse_track(std::string_view text, const std::string& file, double duration);
 
 }  // namespace cairn

@@ -10,6 +10,8 @@
 #include "pile/operate.h"
 #include "pile/pile_file.h"
 #include "shape/library.h"
+#include "shape/shape_file.h"
+#include "sim/make_walls.h"
 
 namespace cairn {
 
@@ -28,14 +30,20 @@ class Shapes {
       loaded_.emplace_back();
       names_.push_back(name);
     }
-    if (loaded_[k].radii.empty())
-      loaded_[k] = make_rigid(load_shape(name, scene_.directory), scene_.mass_model);
+    if (loaded_[k].radii.empty()) loaded_[k] = make_rigid(read(name), scene_.mass_model);
     return static_cast<std::uint32_t>(k);
   }
   const std::vector<RigidShape>& all() const { return loaded_; }
   const std::vector<std::string>& names() const { return names_; }
 
  private:
+  Shape read(const std::string& name) const {
+    constexpr std::uint64_t most = 64'000'000;  // bytes
+    const std::filesystem::path path = shape_path(name, scene_.directory);
+    const std::string file = is_shape_path(name) ? name : "library:" + name;
+    return parse_shape(scene_.files.read(file, path, most), path.string());
+  }
+
   const Scene& scene_;
   std::vector<std::string> names_;
   std::vector<RigidShape> loaded_;
@@ -80,9 +88,9 @@ double smallest_radius(const Scene& scene, const Bodies& pile, Shapes& shapes) {
 constexpr std::uint64_t kLatticeStreams = std::uint64_t{1} << 32;  // clouds have the lower ones
 
 /// The pile and its box in the frame of the scene.
-Setup take_pile(const Scene& scene) {
+Setup take_pile(const Scene& scene, const std::vector<Wall>& walls) {
   const std::filesystem::path path = scene.directory / scene.pile;
-  Setup setup = read_pile(path, scene.materials);
+  Setup setup = read_pile(path, scene, walls);
   displace(setup.bodies, setup.frame.position - scene.frame.position,
            setup.frame.velocity - scene.frame.velocity);
   if (setup.box.periodic() && !scene.box)
@@ -98,7 +106,10 @@ Setup take_pile(const Scene& scene) {
 Setup assemble(const Scene& scene) {
   check_operations(scene);
   Setup setup;
-  if (!scene.pile.empty()) setup = at_key(scene, "pile", [&] { return take_pile(scene); });
+  if (!scene.pile.empty()) {
+    const std::vector<Wall> walls = make_walls(scene);
+    setup = at_key(scene, "pile", [&] { return take_pile(scene, walls); });
+  }
   setup.frame = scene.frame;
   if (scene.box && scene.box->size != Vec3::Zero()) setup.box.edge = scene.box->size;
   Shapes shapes(scene, std::move(setup.shapes));
@@ -109,7 +120,7 @@ Setup assemble(const Scene& scene) {
     const LatticeSpec& lattice = scene.lattices[k];
     at_key(scene, fmt::format("lattice[{}]", k), [&] {
       const std::uint32_t index = shapes.index(lattice.shape);
-      add_lattice(lattice, Region(lattice.region, scene.directory), shapes.all()[index], index,
+      add_lattice(lattice, Region(lattice.region, scene.files), shapes.all()[index], index,
                   material_index(scene, lattice.material), scene.seed, kLatticeStreams + k, setup.bodies);
     });
   }

@@ -17,7 +17,7 @@ namespace {
 
 Region load_region(const RegionSpec& spec, const Scene& scene, const std::string& key) {
   try {
-    return Region(spec, scene.directory);
+    return Region(spec, scene.files);
   } catch (const InputError& error) {
     throw scene.sources.error(key + ".file", error.what());
   }

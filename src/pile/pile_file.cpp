@@ -1,11 +1,14 @@
 #include "pile/pile_file.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "core/error.h"
 #include "io/results.h"
+#include "pile/match_walls.h"
 #include "sim/check_state.h"
 #include "sim/fields.h"
+#include "sim/run.h"
 
 namespace cairn {
 
@@ -19,64 +22,120 @@ void check_pile(const State& state, std::size_t materials, const ContactColumns&
     throw InputError("checkpoint: box, stiffness, region_volume: expected 0 or more");
 }
 
-/// Numbers in `materials` of the file's materials.
-std::vector<std::uint16_t> match(const std::vector<std::string>& names,
-                                 const std::vector<Material>& materials) {
-  std::vector<std::uint16_t> numbers;
-  for (const std::string& name : names) {
-    const auto it =
-        std::find_if(materials.begin(), materials.end(), [&](const Material& m) { return m.name == name; });
-    if (it == materials.end())
-      throw InputError("its material '{}' is not in the scene; add such a [[material]]", name);
-    numbers.push_back(static_cast<std::uint16_t>(it - materials.begin()));
+/// The scene of the run, with the files that it was started with; nothing when it is not to be understood.
+std::optional<Scene> former_scene(const ResultFile& file, std::string& why) {
+  try {
+    RunAttributes attributes;
+    file.read_attributes(attributes.table());
+    Scene scene = parse_scene(attributes.scene, file.path().string(), attributes.directory);
+    scene.files.restore(file);
+    return scene;
+  } catch (const InputError& error) {
+    why = error.what();
+    return {};
+  }
+}
+
+/// Numbers in the scene of the file's materials, by name or else by values; those of bodies must be there.
+std::vector<std::uint16_t> match_materials(const std::vector<std::string>& names, const Bodies& bodies,
+                                           const std::optional<Scene>& former, const Scene& scene,
+                                           std::vector<std::string>& notes) {
+  const auto find = [&](auto&& test) -> std::optional<std::uint16_t> {
+    const auto it = std::find_if(scene.materials.begin(), scene.materials.end(), test);
+    if (it == scene.materials.end()) return {};
+    return static_cast<std::uint16_t>(it - scene.materials.begin());
+  };
+  std::vector<std::uint16_t> numbers(names.size(), 0);
+  std::vector<std::uint8_t> used(names.size(), 0);
+  for (const std::uint16_t m : bodies.material) used[m] = 1;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (!used[k]) continue;
+    auto number = find([&](const Material& m) { return m.name == names[k]; });
+    if (!number && former && k < former->materials.size()) {
+      number = find([&](const Material& m) { return same_values(m, former->materials[k]); });
+      if (number)
+        notes.push_back(fmt::format("its material '{}' is '{}' here, which has the same values", names[k],
+                                    scene.materials[*number].name));
+    }
+    if (!number)
+      throw InputError(
+          "its material '{}' is not in the scene, nor one of its values; add such a [[material]]", names[k]);
+    numbers[k] = *number;
   }
   return numbers;
 }
 
+/// Which of the checkpoint's fields make a pile, whatever version of the program has made it, and how.
+FieldTable pile_fields(const ResultFile& file, FieldTable fields) {
+  const auto there = [&](const std::string& name) { return file.has_group("checkpoint/" + name); };
+  std::erase_if(fields, [&](const Field& field) {
+    for (const char* group : {"gravity/", "control/", "ledger/", "wall_loads/"})
+      if (field.name.starts_with(group)) return true;
+    for (const char* newer : {"walls/", "clock/stage_starts", "region_volume", "wall_lead"})
+      if (field.name.starts_with(newer)) return !there(field.name);
+    return false;
+  });
+  return fields;
+}
+
 }  // namespace
 
-Setup read_pile(const std::filesystem::path& path, const std::vector<Material>& materials) {
+Setup read_pile(const std::filesystem::path& path, const Scene& scene, const std::vector<Wall>& walls) {
   const ResultFile file = ResultFile::open(path);
   if (file.outcome() != kFinished)
     throw InputError("{}: the run has not finished; a pile comes from a finished one", path.string());
   State state;
   ContactColumns contacts;
-  WallColumns walls;
+  WallColumns touching;
   Setup setup;
   std::vector<std::string> names;
   read_constants(file, state.bodies, setup.shapes);
   file.read_static("materials", {{"name", "", "", &names}});
-  // A pile is its bodies and their contacts, whatever version of the program has made it, and how.
-  FieldTable fields = checkpoint_fields(state, contacts.table(), walls);
-  const std::vector<DatasetInfo> there = file.list("checkpoint");
-  const bool volume = std::ranges::find(there, "region_volume", &DatasetInfo::name) != there.end();
-  std::erase_if(fields, [&](const Field& field) {
-    const auto within = [&](std::string_view group) {
-      return std::string_view(field.name).starts_with(group);
-    };
-    return within("gravity/") || within("control/") || within("ledger/") || within("walls/") ||
-           within("wall_loads/") || within("clock/stage_starts") || (!volume && within("region_volume"));
-  });
+  const FieldTable fields = pile_fields(file, checkpoint_fields(state, contacts.table(), touching));
   file.read_checkpoint(fields);
-  try {
-    if (const std::string what = not_finite(fields); !what.empty())
-      throw InputError("checkpoint/{}: not finite", what);
-    check_pile(state, names.size(), contacts);
-    // Only materials that bodies have are asked of the scene; those of single stages or walls are not.
-    std::vector<std::uint16_t> used = state.bodies.material;
-    std::sort(used.begin(), used.end());
-    used.erase(std::unique(used.begin(), used.end()), used.end());
-    std::vector<std::string> asked;
-    for (std::uint16_t m : used) asked.push_back(names[m]);
-    const std::vector<std::uint16_t> numbers = match(asked, materials);
-    for (std::uint16_t& m : state.bodies.material)
-      m = numbers[static_cast<std::size_t>(std::lower_bound(used.begin(), used.end(), m) - used.begin())];
-  } catch (const InputError& error) {
-    throw InputError("{}: {}", path.string(), error.what());
-  }
-  setup.bodies = std::move(state.bodies);
+  if (const std::string what = not_finite(fields); !what.empty())
+    throw InputError("{}: checkpoint/{}: not finite", path.string(), what);
+  std::string why;
+  const std::optional<Scene> former = former_scene(file, why);
   setup.frame = state.frame;
   setup.frame.position += state.clock.time() * state.frame.velocity;
+  const auto naming_file = [&](auto&& work) {
+    try {
+      work();
+    } catch (const InputError& error) {
+      throw InputError("{}: {}", path.string(), error.what());
+    }
+  };
+  naming_file([&] { check_pile(state, names.size(), contacts); });
+  place_spheres(state.bodies);
+  if (former) {
+    naming_file([&] {
+      WallHeritage heritage = match_walls(
+          {path.string(), *former, state, touching.contacts()}, scene, walls,
+          {setup.frame.position - scene.frame.position, setup.frame.velocity - scene.frame.velocity});
+      setup.wall_contacts = std::move(heritage.contacts);
+      setup.wall_lead = std::move(heritage.lead);
+      setup.notes = std::move(heritage.notes);
+      setup.warnings = std::move(heritage.warnings);
+    });
+  } else if (!touching.sphere.empty()) {
+    setup.warnings.push_back(
+        fmt::format("the walls of {} cannot be told, its {} contacts with them are dropped: {}",
+                    path.string(), touching.sphere.size(), why));
+  }
+  naming_file([&] {
+    const std::vector<std::uint16_t> numbers =
+        match_materials(names, state.bodies, former, scene, setup.notes);
+    for (std::uint16_t& m : state.bodies.material) m = numbers[m];
+  });
+  setup.notes.insert(
+      setup.notes.begin(),
+      fmt::format(
+          "{} bodies with {} contacts at the end of {}, t = {:.6g} s; {} of {} contacts with walls go "
+          "on; time, ledgers, spin control and perturbers begin anew",
+          state.bodies.size(), contacts.i.size(), path.string(), state.clock.time(),
+          setup.wall_contacts.size(), touching.sphere.size()));
+  setup.bodies = std::move(state.bodies);
   setup.box.edge = state.box.edge;
   setup.contacts = contacts.records();
   setup.k_n = state.k_n;

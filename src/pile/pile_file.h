@@ -2,17 +2,19 @@
 #pragma once
 
 #include <filesystem>
-#include <vector>
 
-#include "contact/law/material.h"
+#include "contact/wall/wall.h"
+#include "io/scene.h"
 #include "sim/setup.h"
 
 namespace cairn {
 
 /// Bodies, motion, contacts and stiffness at the end of the finished run in `path`. Shape numbers index the
-/// setup's names, material numbers index `materials`, where the file's are looked up by name.
+/// setup's names; materials and walls are those of `scene`, for `walls` see match_walls. Time, ledgers, held
+/// gravity and control are not of the pile. What goes on and what is lost is told in the setup's notes and
+/// warnings.
 /// @throws InputError for a file that is damaged, is not a result file or has not finished, and for a
-/// material that is not among `materials`.
-Setup read_pile(const std::filesystem::path& path, const std::vector<Material>& materials);
+/// material of a body that is not in the scene.
+Setup read_pile(const std::filesystem::path& path, const Scene& scene, const std::vector<Wall>& walls);
 
 }  // namespace cairn

@@ -32,7 +32,7 @@ double ellipsoid_distance(const Vec3& semi_axes, const Vec3& x) {
   return inside ? -(foot - y).norm() : (foot - y).norm();
 }
 
-Region::Region(const RegionSpec& spec, const std::filesystem::path& directory) : spec_(spec) {
+Region::Region(const RegionSpec& spec, const InputFiles& files) : spec_(spec) {
   switch (spec.kind) {
     case RegionKind::ball:
       volume_ = 4.0 / 3.0 * kPi * std::pow(spec.radius, 3);
@@ -49,7 +49,7 @@ Region::Region(const RegionSpec& spec, const std::filesystem::path& directory) :
     case RegionKind::mesh:
       break;
   }
-  SolidMesh solid = load_solid(directory / spec.file, spec.unit);
+  SolidMesh solid = parse_solid(files.read(spec.file), files.path_of(spec.file), spec.unit);
   if (spec.frame != MeshFrame::file) {
     const MassProperties mass = mass_of(solid.surface);
     if (spec.frame == MeshFrame::principal)

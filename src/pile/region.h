@@ -1,7 +1,6 @@
 // A part of space: which points are in it, and how far from its surface they are.
 #pragma once
 
-#include <filesystem>
 #include <memory>
 
 #include "io/scene.h"
@@ -13,7 +12,7 @@ namespace cairn {
 class Region {
  public:
   /// @throws InputError for a mesh that cannot be read or does not bound a solid.
-  Region(const RegionSpec& spec, const std::filesystem::path& directory);
+  Region(const RegionSpec& spec, const InputFiles& files);
 
   /// Distance (m) of x from the surface, negative inside.
   double distance(const Vec3& x) const;

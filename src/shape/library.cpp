@@ -49,10 +49,6 @@ void refuse_mesh(const fs::path& path) {
         path.string());
 }
 
-bool is_path(const std::string& name) {
-  return name.find('/') != std::string::npos || name.ends_with(".toml");
-}
-
 fs::path library_file(const std::string& name) {
   const fs::path path = library_directory() / (name + ".toml");
   std::error_code error;
@@ -78,9 +74,17 @@ std::vector<std::string> library_names() {
   return names;
 }
 
-Shape load_shape(const std::string& name_or_path, const fs::path& base) {
+bool is_shape_path(const std::string& name_or_path) {
+  return name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".toml");
+}
+
+fs::path shape_path(const std::string& name_or_path, const fs::path& base) {
   refuse_mesh(name_or_path);
-  const fs::path path = is_path(name_or_path) ? base / name_or_path : library_file(name_or_path);
+  return is_shape_path(name_or_path) ? base / name_or_path : library_file(name_or_path);
+}
+
+Shape load_shape(const std::string& name_or_path, const fs::path& base) {
+  const fs::path path = shape_path(name_or_path, base);
   return parse_shape(read_text(path), path.string());
 }
 

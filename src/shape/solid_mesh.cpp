@@ -267,18 +267,35 @@ SolidMesh make_solid(TriangleMesh mesh, const Welding* read) {
   return Checker(std::move(mesh), read).check();
 }
 
+namespace {
+
+/// The solid of a mesh read from a file.
+SolidMesh solid_of(TriangleMesh mesh, Welding welding) {
+  SolidMesh solid = make_solid(std::move(mesh), &welding);
+  solid.notes = std::move(welding.notes);
+  std::vector<std::string>& repairs = solid.repairs;
+  if (welding.farthest > 0.0)
+    repairs.push_back(fmt::format("joined vertices up to {:.3g} m apart", welding.farthest));
+  if (welding.flat > 0) repairs.push_back(fmt::format("left out {} facets without area", welding.flat));
+  if (welding.copies > 0) repairs.push_back(fmt::format("left out {} copies of facets", welding.copies));
+  return solid;
+}
+
+}  // namespace
+
 SolidMesh load_solid(const std::filesystem::path& path, double unit) {
   return naming(path.string(), [&] {
     Welding welding;
     TriangleMesh mesh = load_mesh(path, unit, &welding);
-    SolidMesh solid = make_solid(std::move(mesh), &welding);
-    solid.notes = std::move(welding.notes);
-    std::vector<std::string>& repairs = solid.repairs;
-    if (welding.farthest > 0.0)
-      repairs.push_back(fmt::format("joined vertices up to {:.3g} m apart", welding.farthest));
-    if (welding.flat > 0) repairs.push_back(fmt::format("left out {} facets without area", welding.flat));
-    if (welding.copies > 0) repairs.push_back(fmt::format("left out {} copies of facets", welding.copies));
-    return solid;
+    return solid_of(std::move(mesh), std::move(welding));
+  });
+}
+
+SolidMesh parse_solid(std::string_view bytes, const std::filesystem::path& path, double unit) {
+  return naming(path.string(), [&] {
+    Welding welding;
+    TriangleMesh mesh = parse_mesh(bytes, mesh_kind(path), path.string(), unit, &welding);
+    return solid_of(std::move(mesh), std::move(welding));
   });
 }
 

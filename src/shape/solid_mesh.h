@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "shape/mesh.h"
@@ -32,6 +33,8 @@ SolidMesh make_solid(TriangleMesh mesh, const Welding* read = nullptr);
 /// Reads a mesh file, see load_mesh, as the surface of a solid.
 /// @throws InputError "FILE: what is wrong".
 SolidMesh load_solid(const std::filesystem::path& path, double unit);
+/// The same from the bytes of that file.
+SolidMesh parse_solid(std::string_view bytes, const std::filesystem::path& path, double unit);
 
 /// Volume, centroid and inertia of what a closed, outward mesh bounds, exact to round-off [Mirtich 1996, J.
 /// Graphics Tools 1(2), 31; here by signed tetrahedra about the middle of the mesh].

@@ -105,6 +105,8 @@ void check_checkpoint(const State& state, std::size_t stages, std::size_t walls)
   const WallLoads& loads = state.walls.loads;
   for (const auto* column : {&loads.force, &loads.torque, &loads.impulse, &loads.angular_impulse})
     require(column->size() == walls, "walls: expected as many loads as walls");
+  require(state.wall_lead.empty() || state.wall_lead.size() == walls,
+          "clock/wall_lead: expected as many times of motion as walls");
   check_clock(state.clock, state.stage_starts, stages);
   check_gravity(state);
   require(state.remnant.size() == n && std::ranges::all_of(state.remnant, [](auto m) { return m <= 1; }) &&

@@ -183,6 +183,7 @@ FieldTable checkpoint_fields(State& s, const FieldTable& contacts, WallColumns& 
        {"clock/stage_start", "s", "time at the start of the stage", &s.clock.stage_start},
        {"clock/dt", "s", "time step", &s.clock.dt},
        {"clock/stage_starts", "s", "times at which the stages so far began", &s.stage_starts},
+       {"wall_lead", "s", "time that each wall of the scene had moved before this run", &s.wall_lead},
        {"region_volume", "m^3", "of the region last carved; 0: none", &s.region_volume},
        {"ledger/field_momentum", "kg m/s", "given by uniform fields in the stages before this one",
         &s.ledger.field_momentum},

@@ -6,20 +6,7 @@ namespace cairn {
 
 namespace {
 
-/// Rows of the track files one after the other; vx, vy, vz are 0 where a file has none.
-struct TrackColumns {
-  std::vector<std::uint32_t> rows, width;  // of each file
-  std::vector<double> time;
-  std::vector<Vec3> position, velocity;
-
-  FieldTable table() {
-    return {{"rows", "", "number of rows of each track file", &rows, "file"},
-            {"width", "", "numbers in a row: 4, or 7 with velocities", &width, "file"},
-            {"time", "s", "of the row", &time, "row"},
-            {"position", "m", "from the zero of the scene's frame", &position, "row"},
-            {"velocity", "m/s", "where the file gives it", &velocity, "row"}};
-  }
-};
+constexpr std::uint64_t kMostBytes = 16'000'000;  // of a track file
 
 double gm_of(const PerturberSpec& spec) {
   return spec.gm ? *spec.gm : kGravitationalConstant * *spec.mass;
@@ -63,48 +50,11 @@ void load_tracks(Scene& scene) {
     PerturberSpec& spec = scene.perturbers[k];
     if (spec.track_file.empty()) continue;
     try {
-      spec.track = read_track_file(scene.directory / spec.track_file, total_duration(scene));
+      spec.track = parse_track(scene.files.read(spec.track_file, kMostBytes),
+                               scene.files.path_of(spec.track_file).string(), total_duration(scene));
     } catch (const InputError& error) {
       throw scene.sources.error(fmt::format("perturber[{}].track_file", k), error.what());
     }
-  }
-}
-
-void write_tracks(ResultFile& file, const Scene& scene) {
-  TrackColumns columns;
-  for (const PerturberSpec& spec : scene.perturbers) {
-    if (spec.track_file.empty()) continue;
-    columns.rows.push_back(static_cast<std::uint32_t>(spec.track.size()));
-    columns.width.push_back(static_cast<std::uint32_t>(spec.track.front().size()));
-    for (const std::vector<double>& row : spec.track) {
-      columns.time.push_back(row[0]);
-      columns.position.emplace_back(row[1], row[2], row[3]);
-      columns.velocity.push_back(row.size() == 7 ? Vec3(row[4], row[5], row[6]) : Vec3(Vec3::Zero()));
-    }
-  }
-  if (!columns.rows.empty()) file.write_static("tracks", columns.table());
-}
-
-void read_tracks(const ResultFile& file, Scene& scene) {
-  TrackColumns columns;
-  std::size_t track = 0, row = 0;
-  const auto check = [&](bool good) {
-    if (!good) throw InputError("{}: tracks: not those of the scene's perturbers", file.path().string());
-  };
-  for (PerturberSpec& spec : scene.perturbers) {
-    if (spec.track_file.empty()) continue;
-    if (track == 0) file.read_static("tracks", columns.table());
-    check(track < columns.rows.size() && track < columns.width.size());
-    const std::size_t count = columns.rows[track], width = columns.width[track];
-    check((width == 4 || width == 7) && row + count <= columns.time.size() &&
-          columns.position.size() == columns.time.size() && columns.velocity.size() == columns.time.size());
-    for (std::size_t end = row + count; row < end; ++row) {
-      const Vec3 &x = columns.position[row], &v = columns.velocity[row];
-      spec.track.push_back({columns.time[row], x.x(), x.y(), x.z(), v.x(), v.y(), v.z()});
-      spec.track.back().resize(width);
-    }
-    check_track(spec.track, total_duration(scene), [&](std::size_t, const std::string&) { check(false); });
-    ++track;
   }
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "gravity/perturber.h"
-#include "io/results.h"
 #include "io/scene.h"
 
 namespace cairn {
@@ -10,11 +9,6 @@ namespace cairn {
 /// Fills `track` of the perturbers that have a track_file.
 /// @throws InputError naming the key's place in the scene, the file and its line.
 void load_tracks(Scene& scene);
-
-/// Result files carry the rows of track files, so that a run can be resumed without them.
-void write_tracks(ResultFile& file, const Scene& scene);
-/// @throws InputError naming the file when it does not hold the rows of this scene's perturbers.
-void read_tracks(const ResultFile& file, Scene& scene);
 
 /// The perturbers of the scene; an orbit without a gravitational parameter takes that of the perturber and
 /// bodies of this mass (kg). Tracks have been loaded.

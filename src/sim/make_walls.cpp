@@ -10,27 +10,6 @@ namespace cairn {
 
 namespace {
 
-/// Meshes one after the other, as columns.
-struct MeshColumns {
-  std::vector<std::uint32_t> vertices, triangles;  // of each mesh
-  std::vector<Vec3> position;
-  std::vector<std::uint32_t> a, b, c;
-
-  FieldTable table() {
-    return {{"vertices", "", "number of vertices of each mesh", &vertices, "mesh"},
-            {"triangles", "", "number of triangles of each mesh", &triangles, "mesh"},
-            {"position", "m", "of the vertices at time 0", &position, "vertex"},
-            {"a", "", "vertex of the mesh", &a, "triangle"},
-            {"b", "", "vertex of the mesh", &b, "triangle"},
-            {"c", "", "vertex of the mesh", &c, "triangle"}};
-  }
-};
-
-std::size_t mesh_walls(const Scene& scene) {
-  return static_cast<std::size_t>(std::count_if(scene.walls.begin(), scene.walls.end(),
-                                                [](const WallSpec& w) { return w.kind == WallKind::mesh; }));
-}
-
 WallSurface surface(const WallSpec& wall) {
   const bool inside = wall.side == WallSide::inside;
   if (wall.kind == WallKind::sphere) return SphereSurface{wall.point, wall.radius, inside};
@@ -38,39 +17,42 @@ WallSurface surface(const WallSpec& wall) {
   return PlaneSurface{wall.point, wall.normal};
 }
 
-}  // namespace
-
-std::vector<TriangleMesh> load_wall_meshes(const Scene& scene) {
-  std::vector<TriangleMesh> meshes;
-  for (std::size_t k = 0; k < scene.walls.size(); ++k) {
-    const WallSpec& wall = scene.walls[k];
-    if (wall.kind != WallKind::mesh) continue;
-    try {
-      meshes.push_back(load_mesh(scene.directory / wall.file, wall.unit));
-    } catch (const InputError& error) {
-      throw scene.sources.error(fmt::format("wall[{}].file", k), error.what());
-    }
-    for (Vec3& x : meshes.back().vertices) x += wall.point;
+/// The mesh of wall `k` at its place.
+WallMesh load_surface(const Scene& scene, std::size_t k) {
+  const WallSpec& wall = scene.walls[k];
+  try {
+    const std::filesystem::path path = scene.files.path_of(wall.file);
+    TriangleMesh mesh = parse_mesh(scene.files.read(wall.file), mesh_kind(path), path.string(), wall.unit);
+    for (Vec3& x : mesh.vertices) x += wall.point;
+    return std::make_shared<const MeshSurface>(std::move(mesh));
+  } catch (const InputError& error) {
+    throw scene.sources.error(fmt::format("wall[{}].file", k), error.what());
   }
-  return meshes;
 }
 
-std::vector<Wall> make_walls(const Scene& scene, std::vector<TriangleMesh> meshes) {
+}  // namespace
+
+std::vector<Wall> make_walls(const Scene& scene) {
   std::vector<Wall> walls;
-  std::size_t mesh = 0;
-  for (const WallSpec& spec : scene.walls) {
+  for (std::size_t k = 0; k < scene.walls.size(); ++k) {
+    const WallSpec& spec = scene.walls[k];
     const WallMotion motion{.velocity = spec.velocity,
                             .amplitude = spec.oscillation_amplitude,
                             .frequency = spec.oscillation_frequency,
                             .phase = spec.oscillation_phase,
                             .spin = spec.angular_velocity,
-                            .center = spec.rotation_point};
+                            .center = spec.rotation_point,
+                            .since = -spec.motion_time.value_or(0.0)};
     if (spec.kind == WallKind::mesh)
-      walls.push_back({std::make_shared<const MeshSurface>(std::move(meshes.at(mesh++))), motion});
+      walls.push_back({load_surface(scene, k), motion});
     else
       walls.push_back({surface(spec), motion});
   }
   return walls;
+}
+
+void lead_walls(const std::vector<double>& lead, std::vector<Wall>& walls) {
+  for (std::size_t w = 0; w < lead.size(); ++w) walls[w].motion.since -= lead[w];
 }
 
 void set_walls(const Scene& scene, std::size_t stage, const std::vector<Wall>& walls,
@@ -88,7 +70,7 @@ void set_walls(const Scene& scene, std::size_t stage, const std::vector<Wall>& w
     std::size_t first = stage;
     for (std::size_t k = 0; k < stage && first == stage; ++k)
       if (has_wall(scene, k, w)) first = k;
-    acting.walls.back().motion.since = stage_starts.at(first);
+    acting.walls.back().motion.since += stage_starts.at(first);
   }
   std::erase_if(acting.contacts, [&](const WallContact& c) { return place[c.wall] == none; });
   for (WallContact& c : acting.contacts) c.wall = place[c.wall];
@@ -99,46 +81,6 @@ std::vector<Wall> walls_of_stage(const Scene& scene, std::size_t stage, const st
   for (std::size_t w = 0; w < walls.size(); ++w)
     if (has_wall(scene, stage, w)) out.push_back(walls[w]);
   return out;
-}
-
-void write_wall_meshes(ResultFile& file, const std::vector<TriangleMesh>& meshes) {
-  if (meshes.empty()) return;
-  MeshColumns columns;
-  for (const TriangleMesh& mesh : meshes) {
-    columns.vertices.push_back(static_cast<std::uint32_t>(mesh.vertices.size()));
-    columns.triangles.push_back(static_cast<std::uint32_t>(mesh.triangles.size()));
-    columns.position.insert(columns.position.end(), mesh.vertices.begin(), mesh.vertices.end());
-    for (const auto& [a, b, c] : mesh.triangles) {
-      columns.a.push_back(a);
-      columns.b.push_back(b);
-      columns.c.push_back(c);
-    }
-  }
-  file.write_static("meshes", columns.table());
-}
-
-std::vector<TriangleMesh> read_wall_meshes(const ResultFile& file, const Scene& scene) {
-  std::vector<TriangleMesh> meshes(mesh_walls(scene));
-  if (meshes.empty()) return meshes;
-  MeshColumns columns;
-  file.read_static("meshes", columns.table());
-  const auto check = [&](bool good) {
-    if (!good) throw InputError("{}: meshes: not those of the scene's walls", file.path().string());
-  };
-  check(columns.vertices.size() == meshes.size());
-  std::size_t vertex = 0, triangle = 0;
-  for (std::size_t m = 0; m < meshes.size(); ++m) {
-    const std::size_t vertices = columns.vertices[m], triangles = columns.triangles[m];
-    check(triangles > 0 && vertex + vertices <= columns.position.size() &&
-          triangle + triangles <= columns.a.size());
-    for (std::size_t k = 0; k < vertices; ++k) meshes[m].vertices.push_back(columns.position[vertex++]);
-    for (std::size_t k = 0; k < triangles; ++k, ++triangle) {
-      const std::array<std::uint32_t, 3> t{columns.a[triangle], columns.b[triangle], columns.c[triangle]};
-      check(*std::max_element(t.begin(), t.end()) < vertices);
-      meshes[m].triangles.push_back(t);
-    }
-  }
-  return meshes;
 }
 
 double drop_height(const Bodies& bodies, const std::vector<Wall>& walls, const Vec3& field) {

@@ -153,14 +153,15 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
         "contact)",
         stage.name, *given, longest, 1.0 / kLongestSafeStep);
   const double aim = given ? *given : p.contact_time / contact.steps_per_contact;
-  if (!(stage.duration / aim < 1e15))
-    throw InputError("stage '{}': {:.3g} steps of {:.3g} s are more than a run can make", stage.name,
-                     stage.duration / aim, aim);
+  if (const double steps = (stage.duration + stage.extension) / aim; !(steps < 1e15))
+    throw InputError("stage '{}': {:.3g} steps of {:.3g} s are more than a run can make", stage.name, steps,
+                     aim);
   // Whole steps that end exactly with the stage.
   p.steps =
       std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::ceil(stage.duration / aim * (1.0 - 1e-12))));
   const double dt = stage.duration / static_cast<double>(p.steps);
   p.contacts.dt = dt;
+  p.steps += static_cast<std::uint64_t>(std::llround(stage.extension / dt));
 
   p.gravity = gravity_of(scene, index);
   if (scene.gravity.opening_angle) {

@@ -35,7 +35,7 @@ struct Physics {
   std::optional<double> packing;                    ///< the strain ends there
   double body_volume = 0.0;                         ///< m^3, of all bodies
   std::optional<double> quiet_energy, quiet_speed;  ///< the stage ends below these
-  double duration = 0.0;                            ///< s, of the stage, at most
+  double duration = 0.0;                            ///< s, of the stage, at most, without its extension
   double least_edge = 0.0;                          ///< m, of a periodic box
   std::uint64_t control_steps = 1;                  ///< steps between spin corrections
   double link_gap = 0.0;                            ///< m, up to which bodies belong to the pile that is spun

@@ -63,18 +63,11 @@ Run::Run(Scene scene, Setup setup, ResultFile results, Operation operation)
   inherited_ = std::move(setup.contacts);
   state_ = first_state(std::move(setup));
   prepare_bodies();
-  std::vector<TriangleMesh> meshes = load_wall_meshes(scene_);
-  write_wall_meshes(results_, meshes);
+  walls_ = make_walls(scene_);
+  lead_walls(state_.wall_lead, walls_);
   load_tracks(scene_);
-  write_tracks(results_, scene_);
-  walls_ = make_walls(scene_, std::move(meshes));
   state_.walls.loads.resize(walls_.size());
-  double held = state_.k_n;
-  for (std::size_t k = 0; k < stages(); ++k) {  // a stage that cannot run shall say so now, not after hours
-    if (scene_.stages[k].operates()) continue;
-    held = resolve_stiffness(scene_, k, state_.bodies, walls_of_stage(scene_, k, walls_), held);
-    resolve_physics(scene_, k, state_.bodies, held);
-  }
+  check_stages(0);
   const Budget total = budget(state_.bodies);
   state_.ledger.start_momentum = total.momentum;
   state_.ledger.start_angular_momentum = total.angular_momentum_about_center;
@@ -87,7 +80,18 @@ Run::Run(Scene scene, Setup setup, ResultFile results, Operation operation)
   results_.write_static("frame",
                         {{"position", "m", "zero of all positions, at time 0", &state_.frame.position},
                          {"velocity", "m/s", "of the zero: add it to velocities", &state_.frame.velocity}});
+  scene_.files.write(results_);
   results_.declare_series(run_columns(scene_));
+}
+
+/// A stage that cannot run shall say so now, not after hours.
+void Run::check_stages(std::size_t first) const {
+  double held = state_.k_n;
+  for (std::size_t k = first; k < scene_.stages.size(); ++k) {
+    if (scene_.stages[k].operates()) continue;
+    held = resolve_stiffness(scene_, k, state_.bodies, walls_of_stage(scene_, k, walls_), held);
+    resolve_physics(scene_, k, state_.bodies, held);
+  }
 }
 
 void Run::write_bodies(const std::string& suffix) {
@@ -108,10 +112,15 @@ void Run::prepare_bodies() {
 }
 
 Run Run::resume(const std::filesystem::path& path, Operation operation) {
+  Run run = load(path, std::move(operation));
+  if (run.results_.finished())
+    throw InputError("{}: the run has finished; --until or --add makes it longer", path.string());
+  return run;
+}
+
+Run Run::load(const std::filesystem::path& path, Operation operation) {
   ResultFile results = ResultFile::open_to_continue(path);
-  if (results.finished() && results.outcome() == kFinished)
-    throw InputError("{}: the run has finished; nothing to resume", path.string());
-  if (results.finished())
+  if (results.finished() && results.outcome() != kFinished)
     throw InputError("{}: the run cannot go on, change the scene and run it anew: {}", path.string(),
                      results.outcome());
   RunAttributes attributes;
@@ -136,10 +145,12 @@ Run Run::resume(const std::filesystem::path& path, Operation operation) {
   run.results_.declare_series(run_columns(run.scene_));
   run.prepare_bodies();
   run.inherited_ = contacts.records();
-  run.walls_ = make_walls(run.scene_, read_wall_meshes(run.results_, run.scene_));
+  run.scene_.files.restore(run.results_);
+  run.walls_ = make_walls(run.scene_);
+  lead_walls(state.wall_lead, run.walls_);
   state.walls.walls = run.walls_;
   state.walls.contacts = walls.contacts();
-  read_tracks(run.results_, run.scene_);
+  load_tracks(run.scene_);
   try {
     state.walls.check_contacts(run.sphere_count());
   } catch (const InputError& error) {

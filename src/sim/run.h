@@ -19,6 +19,8 @@ inline constexpr std::uint64_t kMostWaiting = 64u << 20;
 
 enum class RunEnd { finished, interrupted };
 
+struct Continuation;  // in sim/extend.h
+
 /// Does what a stage that operates asks for to the bodies and their contacts; returns what that was. Room
 /// pile supplies it.
 using Operation =
@@ -31,6 +33,11 @@ class Run {
   /// Continues the run in `path`, bitwise as if it had not stopped.
   /// @throws InputError when the file is not a result file, has no checkpoint, or the run has finished.
   static Run resume(const std::filesystem::path& path, Operation operation = {});
+  /// Continues the run in `path`, finished or not, beyond its scene, bitwise as if this had been so from the
+  /// start, see sim/extend.h; the file holds the longer scene from now on. `check` looks at that scene first.
+  /// @throws InputError, with the file as it was, when the run or what it shall do is not fit for that.
+  static Run extend(const std::filesystem::path& path, const Continuation& more,
+                    const std::function<void(const Scene&)>& check, Operation operation = {});
 
   /// Called back while a run advances; any may be empty.
   struct Listener {
@@ -67,6 +74,8 @@ class Run {
   Run(Scene scene, ResultFile results, Operation operation)
       : scene_(std::move(scene)), results_(std::move(results)), operation_(std::move(operation)) {}
 
+  static Run load(const std::filesystem::path& path, Operation operation);
+  void check_stages(std::size_t first) const;
   void start_stage();
   std::string operate();
   std::string follow();

@@ -14,10 +14,14 @@ struct Setup {
   Frame frame;  ///< of the bodies at the start
   Frame shift;  ///< the same from the zero of the scene
   Box box;
-  std::vector<std::string> shapes;      ///< name of each shape number
-  std::vector<ContactRecord> contacts;  ///< of a pile read from a file
-  double region_volume = 0.0;           ///< m^3, see State
-  double k_n = 0.0;                     ///< N/m, stiffness those contacts had; 0: none
+  std::vector<std::string> shapes;         ///< name of each shape number
+  std::vector<ContactRecord> contacts;     ///< of a pile read from a file
+  std::vector<WallContact> wall_contacts;  ///< the same, with the walls of the scene
+  std::vector<double> wall_lead;           ///< s, see State; empty: 0
+  double region_volume = 0.0;              ///< m^3, see State
+  double k_n = 0.0;                        ///< N/m, stiffness those contacts had; 0: none
+  std::vector<std::string> notes;          ///< on what is taken over from the file, in a line each
+  std::vector<std::string> warnings;       ///< and on what is not
 };
 
 /// The state in which a run of this setup begins, before its first stage; it has no contacts yet.
@@ -30,6 +34,8 @@ inline State first_state(Setup setup) {
   state.box = setup.box;
   state.k_n = setup.k_n;
   state.region_volume = setup.region_volume;
+  state.walls.contacts = std::move(setup.wall_contacts);
+  state.wall_lead = std::move(setup.wall_lead);
   return state;
 }
 

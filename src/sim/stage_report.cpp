@@ -102,6 +102,12 @@ void StageColumns::push_back(const StageReport& report) {
   for (std::size_t c = 0; c < values.size(); ++c) values[c].push_back(report.*kColumns[c].value);
 }
 
+void StageColumns::pop_back() {
+  name.pop_back();
+  what.pop_back();
+  for (std::vector<double>& column : values) column.pop_back();
+}
+
 FieldTable StageColumns::table() {
   FieldTable out{{"name", "", "of the stage", &name, "stage"},
                  {"what", "", "an operation has done, or why the stage ended", &what, "stage"}};

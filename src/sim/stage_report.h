@@ -45,6 +45,7 @@ struct StageColumns {
 
   StageColumns();
   void push_back(const StageReport& report);
+  void pop_back();
   FieldTable table();
 };
 

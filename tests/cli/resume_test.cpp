@@ -106,7 +106,7 @@ TEST_F(ResumeInABox, WithoutTheFileOfTheMesh) {
   ASSERT_TRUE(succeeded(cairn(folder_, {"resume", "stopped.h5"})));
   EXPECT_TRUE(same_bits(whole_, contents(folder_ / "stopped.h5")));
   EXPECT_TRUE(
-      refused(cairn(folder_, {"run", scene_, "-o", "again.h5"}), {"wall[0].file", "no such mesh file"}));
+      refused(cairn(folder_, {"run", scene_, "-o", "again.h5"}), {"wall[0].file", "box.off: no such file"}));
 }
 
 /// The grains pass a planet from a table while a second one circles them.

@@ -123,6 +123,7 @@ point = [0, 0, -9]
 oscillation_amplitude = [0, 0, 0.01]
 oscillation_frequency = 20
 oscillation_phase = 1.5
+motion_time = 0.25
 [[wall]]
 kind = "sphere"
 radius = 100
@@ -152,6 +153,7 @@ method = "none"
 [[stage]]
 name = "compress"
 duration = 10
+extension = 2.5
 strain_rate = [-0.01, -0.02, 0]
 packing = 0.64
 )";

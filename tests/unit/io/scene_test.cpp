@@ -139,6 +139,8 @@ TEST(Scene, BodiesAndWallsArriveWithUnitDirections) {
   EXPECT_EQ(bowl.oscillation_amplitude, Vec3(0, 0, 0.01));
   EXPECT_EQ(bowl.oscillation_frequency, 20.0);
   EXPECT_EQ(bowl.oscillation_phase, 1.5);
+  EXPECT_EQ(bowl.motion_time, 0.25);
+  EXPECT_FALSE(drum.motion_time);
   EXPECT_EQ(ball.kind, WallKind::sphere);
   EXPECT_EQ(ball.side, WallSide::inside);
   EXPECT_EQ(ball.rotation_point, Vec3(1, 2, 3));  // turns about its centre unless told otherwise
@@ -150,6 +152,8 @@ TEST(Scene, FrameBoxAndStrainArrive) {
   EXPECT_EQ(scene.frame.velocity, Vec3(0, 3e4, 0));
   ASSERT_TRUE(scene.box);
   EXPECT_EQ(scene.box->size, Vec3(30, 40, 0));
+  EXPECT_EQ(scene.stages[0].extension, 2.5);
+  EXPECT_EQ(total_duration(scene), 12.5);
   EXPECT_EQ(scene.stages[0].strain_rate, Vec3(-0.01, -0.02, 0));
   EXPECT_EQ(scene.stages[0].packing, 0.64);
 }

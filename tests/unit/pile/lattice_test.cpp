@@ -32,7 +32,7 @@ Bodies make(LatticeKind kind, const std::string& shape, const RegionSpec& region
                             .random_orientation = turned,
                             .region = region};
   Bodies bodies;
-  add_lattice(lattice, Region(region, "."), rigid, 0, 0, 1, 0, bodies);
+  add_lattice(lattice, Region(region, InputFiles()), rigid, 0, 0, 1, 0, bodies);
   return bodies;
 }
 

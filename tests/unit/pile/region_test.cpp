@@ -66,7 +66,7 @@ TEST(Region, MeshStretchedToABoxIsThatBox) {
   box.size = mesh.size;
   box.orientation = mesh.orientation;
   box.position = mesh.position + mesh.orientation * Vec3(2.0, 3.0, 4.0);  // a mesh's origin is its corner
-  const Region a(mesh, folder.path()), b(box, ".");
+  const Region a(mesh, folder.path()), b(box, InputFiles());
   EXPECT_NEAR(a.volume(), 192.0, 1e-9);
   EXPECT_EQ(b.volume(), 192.0);
   Random random(2, 0);
@@ -93,11 +93,11 @@ TEST(Region, MeshIsMovedToItsCentroidAndTurnedToItsPrincipalAxes) {
   mesh.position = box.position = {1.0, 2.0, 3.0};
   mesh.frame = MeshFrame::principal;
   box.size = {8.0, 6.0, 4.0};  // the longest along x, the shortest along z
-  const Region principal(mesh, folder.path()), expected(box, ".");
+  const Region principal(mesh, folder.path()), expected(box, InputFiles());
   mesh.frame = MeshFrame::centroid;
   box.size = {6.0, 8.0, 4.0};
   box.orientation = turn;
-  const Region centred(mesh, folder.path()), turned(box, ".");
+  const Region centred(mesh, folder.path()), turned(box, InputFiles());
   Random random(4, 0);
   for (int k = 0; k < 500; ++k) {
     const Vec3 x = box.position + 8.0 * random.in_ball();
@@ -110,7 +110,7 @@ TEST(Region, BallHasItsVolumeAndDistance) {
   RegionSpec spec;
   spec.radius = 2.0;
   spec.position = {1.0, 0.0, 0.0};
-  const Region region(spec, ".");
+  const Region region(spec, InputFiles());
   EXPECT_NEAR(region.volume(), 32.0 / 3.0 * kPi, 1e-12);
   EXPECT_NEAR(region.distance({4.0, 4.0, 0.0}), 3.0, 1e-12);
   EXPECT_EQ(region.reach(), 2.0);

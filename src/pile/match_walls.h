@@ -1,0 +1,39 @@
+// What the walls of an earlier run hand on to those of a scene that starts from its pile.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "io/scene.h"
+#include "sim/state.h"
+
+namespace cairn {
+
+/// Springs, and how far moving walls have come.
+struct WallHeritage {
+  std::vector<WallContact> contacts;  ///< by the walls' numbers in the scene, in the order of Walls::contacts
+  std::vector<double> lead;           ///< s, of each wall of the scene, that it has moved before, see State
+  std::vector<std::string> notes;     ///< what goes on, in a line each
+  std::vector<std::string> warnings;  ///< what is lost, in a line each
+};
+
+/// The end of the run that a pile comes from.
+struct FormerRun {
+  std::string name;  ///< of its file
+  Scene scene;
+  const State& state;
+  std::vector<WallContact> contacts;  ///< by the walls' numbers in its scene
+};
+
+/// Matches the walls of the first stage of `scene` with those of a former run; its bodies are `shift` away in
+/// the scene. Walls are the same when they are equal in kind, geometry and place and of materials equal in
+/// name or in values. A wall that moves is looked for first where the same motion has brought it, and then
+/// goes on with it, unless the scene gives its motion_time.
+/// @throws InputError when the contacts are not of the run's walls, or these cannot be made.
+WallHeritage match_walls(const FormerRun& former, const Scene& scene, const std::vector<Wall>& walls,
+                         const Frame& shift);
+
+/// Whether two materials have equal values, whatever they are called.
+bool same_values(const Material& a, const Material& b);
+
+}  // namespace cairn

@@ -1,0 +1,217 @@
+// Runs that start from the end of others, against runs that went on.
+#include "pile/pile_file.h"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <cmath>
+
+#include "core/error.h"
+#include "folder.h"
+#include "pile/assemble.h"
+#include "sim/fields.h"
+#include "sim/run.h"
+
+namespace cairn {
+namespace {
+
+/// A cube and a ball come to rest on a floor that is not level.
+constexpr const char* kBodies = R"(
+[[body]]
+shape = "cube"
+density = 2000
+material = "rock"
+position = [0, 0, 2.2]
+orientation = [0.9, 0.2, 0.1, 0.3]
+[[body]]
+shape = "sphere"
+density = 2000
+material = "rock"
+position = [4, 0.3, 1.1]
+)";
+constexpr const char* kRest = R"(
+[[material]]
+name = "rock"
+restitution_normal = 0.2
+[contact]
+stiffness = 1e6
+[gravity]
+method = "none"
+field = [0.2, 0.05, -0.95]
+)";
+constexpr const char* kFloor = "[[wall]]\nkind = 'plane'\nmaterial = 'rock'\n";
+constexpr const char* kFirst = "[[stage]]\nname = 'fall'\nduration = 20\n";
+constexpr const char* kSecond = "[[stage]]\nname = 'on'\nduration = 3\n";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+class PileFile : public testing::Test {
+ protected:
+  Scene scene(const std::string& text) const { return parse_scene(text, "scene.toml", folder_.path()); }
+
+  /// The setup of a scene, which has also been run into a file.
+  cairn::Setup run(const std::string& text, const std::string& name) const {
+    const int threads = omp_get_max_threads();
+    omp_set_num_threads(1);
+    Scene start = scene(text);
+    RunAttributes attributes{
+        .title = "", .scene = text, .directory = folder_.path().string(), .version = "", .seed = 1};
+    cairn::Setup setup = assemble(start), copy = setup;
+    cairn::Run whole(std::move(start), std::move(setup),
+                     ResultFile::create(folder_ / name, attributes.table(), false));
+    EXPECT_EQ(whole.advance({}), RunEnd::finished);
+    omp_set_num_threads(threads);
+    return copy;
+  }
+
+  static std::string pile(const std::string& text) { return "pile = 'first.h5'\n" + text; }
+
+  std::vector<double> series(const std::string& name, const std::string& column) const {
+    return ResultFile::open(folder_ / name).read_series(column);
+  }
+
+  State end_of(const std::string& name) const {
+    State state;
+    ContactColumns contacts;
+    WallColumns walls;
+    ResultFile::open(folder_ / name).read_checkpoint(checkpoint_fields(state, contacts.table(), walls));
+    return state;
+  }
+
+  /// Energy (J) in all springs at the end of the first run and at the start of the second.
+  void expect_springs_kept(double tolerance) const {
+    const double before = series("first.h5", "elastic_energy").back(),
+                 after = series("second.h5", "elastic_energy").front();
+    EXPECT_GT(before, 0.0);
+    EXPECT_NEAR(after, before, tolerance * before);
+  }
+
+  /// How far (m) bodies are apart at the ends of two runs, at most.
+  double apart(const std::string& a, const std::string& b) const {
+    const State s = end_of(a), t = end_of(b);
+    double most = 0.0;
+    for (std::size_t k = 0; k < s.bodies.position.size(); ++k)
+      most = std::max(most, (s.bodies.position[k] - t.bodies.position[k]).norm());
+    return most;
+  }
+
+  Folder folder_;
+};
+
+TEST_F(PileFile, SpringsOnWallsGoOnAsInOneRun) {
+  folder_.write("floor.off", "OFF\n4 1 0\n-30 -30 0\n30 -30 0\n30 30 0\n-30 30 0\n4 0 1 2 3\n");
+  const std::string mesh = "[[wall]]\nkind = 'mesh'\nfile = 'floor.off'\nmaterial = 'rock'\n";
+  for (const std::string& floor : {std::string(kFloor), mesh}) {
+    run(kBodies + floor + kRest + kFirst, "first.h5");
+    const cairn::Setup setup = run(pile(floor + kRest + kSecond), "second.h5");
+    run(kBodies + floor + kRest + kFirst + kSecond, "one.h5");
+    EXPECT_GE(setup.wall_contacts.size(), 3u);
+    EXPECT_TRUE(setup.warnings.empty()) << setup.warnings[0];
+    expect_springs_kept(1e-12);
+    EXPECT_EQ(apart("second.h5", "one.h5"), 0.0);
+    const std::vector<double> whole = series("one.h5", "elastic_energy"),
+                              part = series("second.h5", "elastic_energy");
+    ASSERT_GT(whole.size(), part.size());
+    EXPECT_TRUE(std::equal(part.rbegin(), part.rend(), whole.rbegin()));
+    for (const char* name : {"first.h5", "second.h5", "one.h5"}) std::filesystem::remove(folder_ / name);
+  }
+}
+
+TEST_F(PileFile, WallsAreFoundInAnotherFrameAmongOthersAndByTheValuesOfTheirMaterial) {
+  run(kBodies + std::string(kFloor) + kRest + kFirst, "first.h5");
+  const std::string other = R"(
+[frame]
+position = [100, 50, -7]
+[[wall]]
+kind = "plane"
+point = [0, 0, -50]
+material = "stone"
+[[wall]]
+kind = "plane"
+point = [3, 4, 7]
+normal = [0, 0, 2]
+material = "stone"
+[[material]]
+name = "ice"
+friction = 0.1
+)";
+  const cairn::Setup setup =
+      run(pile(other + replaced(kRest, "\"rock\"", "\"stone\"") + kSecond), "second.h5");
+  EXPECT_GE(setup.wall_contacts.size(), 3u);
+  for (const WallContact& c : setup.wall_contacts) EXPECT_EQ(c.wall, 1u);
+  EXPECT_EQ(setup.bodies.material, (std::vector<std::uint16_t>{1, 1}));
+  EXPECT_TRUE(setup.warnings.empty());
+  ASSERT_EQ(setup.notes.size(), 2u);
+  EXPECT_NE(setup.notes[1].find("'rock' is 'stone' here"), std::string::npos);
+  expect_springs_kept(1e-9);
+}
+
+TEST_F(PileFile, WhatIsLostIsSaidWithItsEnergy) {
+  run(kBodies + std::string(kFloor) + kRest + kFirst, "first.h5");
+  const double held = series("first.h5", "elastic_energy").back();  // all of it on the floor
+  const std::string elsewhere = replaced(kFloor, "'plane'", "'plane'\npoint = [0, 0, 1e-3]"),
+                    ball = replaced(kFloor, "'plane'", "'sphere'\nradius = 100"),
+                    ice = "[[material]]\nname = 'ice'\n" + replaced(kFloor, "'rock'", "'ice'"),
+                    later = std::string(kFloor) + "stages = ['late']\n",
+                    late = "[[stage]]\nname = 'late'\nduration = 1\n";
+  for (const std::string& text : {elsewhere, ball, ice, later + late, std::string()}) {
+    const bool first = text.find("late") == text.npos;
+    const cairn::Setup setup = assemble(scene(pile(kRest + (first ? text + kSecond : kSecond + text))));
+    EXPECT_TRUE(setup.wall_contacts.empty());
+    ASSERT_EQ(setup.warnings.size(), 1u) << text;
+    EXPECT_NE(setup.warnings[0].find(fmt::format("dropped with the {:.3g} J in their springs", held)),
+              std::string::npos)
+        << setup.warnings[0] << ", held " << held;
+  }
+  EXPECT_THROW(assemble(scene(pile(replaced(kRest, "\"rock\"\n", "\"sand\"\nfriction = 0.3\n") + kSecond))),
+               InputError);
+}
+
+TEST_F(PileFile, MovingWallsGoOnMoving) {
+  folder_.write("table.off", "OFF\n4 1 0\n-30 -30 0\n30 -30 0\n30 30 0\n-30 30 0\n4 0 1 2 3\n");
+  const std::string level = replaced(kRest, "[0.2, 0.05, -0.95]", "[0, 0, -1]");
+  for (const char* motion :
+       {"kind = 'plane'\noscillation_amplitude = [0.03, 0, 0.01]\noscillation_frequency = 0.31\n",
+        "kind = 'plane'\nvelocity = [0.1, 0, 0.2]\n",
+        "kind = 'mesh'\nfile = 'table.off'\nangular_velocity = [0, 0, 0.1]\n"}) {
+    const std::string floor = std::string("[[wall]]\nmaterial = 'rock'\n") + motion;
+    run(kBodies + floor + level + kFirst, "first.h5");
+    const cairn::Setup setup = run(pile(floor + level + kSecond), "second.h5");
+    run(kBodies + floor + level + kFirst + kSecond, "one.h5");
+    EXPECT_GE(setup.wall_contacts.size(), 3u);
+    EXPECT_TRUE(setup.warnings.empty()) << setup.warnings[0];
+    ASSERT_EQ(setup.wall_lead.size(), 1u);
+    EXPECT_NEAR(setup.wall_lead[0], 20.0, 1e-9);
+    expect_springs_kept(1e-9);
+    EXPECT_LT(apart("second.h5", "one.h5"), 1e-8) << motion;
+    EXPECT_GT((end_of("second.h5").bodies.position[1] - end_of("first.h5").bodies.position[1]).norm(), 1e-3);
+    // A third run goes on from there; one that says so begins anew, and one that says how far goes on too.
+    std::filesystem::rename(folder_ / "second.h5", folder_ / "third.h5");
+    const auto start = [&](const std::string& key) {
+      return assemble(scene("pile = 'third.h5'\n" + floor + key + level + kSecond));
+    };
+    EXPECT_NEAR(start("").wall_lead.at(0), 23.0, 1e-9);
+    EXPECT_EQ(start("motion_time = 23\n").wall_lead, (std::vector<double>{0.0}));
+    EXPECT_EQ(start("motion_time = 23\n").wall_contacts.size(), start("").wall_contacts.size());
+    EXPECT_TRUE(start("motion_time = 0\n").wall_contacts.empty());
+    for (const char* name : {"first.h5", "third.h5", "one.h5"}) std::filesystem::remove(folder_ / name);
+  }
+}
+
+TEST_F(PileFile, AWallThatStopsKeepsItsSprings) {
+  const std::string level = replaced(kRest, "[0.2, 0.05, -0.95]", "[0, 0, -1]");
+  run(kBodies + std::string("[[wall]]\nkind = 'plane'\nmaterial = 'rock'\nvelocity = [0.1, 0, 0.2]\n") +
+          level + kFirst,
+      "first.h5");
+  const cairn::Setup setup =
+      run(pile("[[wall]]\nkind = 'plane'\nmaterial = 'rock'\npoint = [0, 0, 4e-3]\n" + level + kSecond),
+          "second.h5");
+  EXPECT_GE(setup.wall_contacts.size(), 3u);
+  EXPECT_TRUE(setup.warnings.empty());
+  expect_springs_kept(0.02);  // it stops at once: dashpots feel that
+}
+
+}  // namespace
+}  // namespace cairn
