@@ -120,6 +120,7 @@ class Checks {
 
   void check_body(BodySpec& body, const std::string& key) const {
     complete_material(body.material, key);
+    check_one_of(key, {"density", "mass"}, true);
     body.orientation.coeffs() = direction<Eigen::Vector4d>(body.orientation.coeffs(), key + ".orientation");
   }
 

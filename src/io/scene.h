@@ -79,11 +79,12 @@ struct LatticeSpec {
   RegionSpec region;
 };
 
-/// One body put by hand.
+/// One body put by hand. One of density and mass is given.
 struct BodySpec {
   std::string shape;
-  double size = 1.0;     ///< m
-  double density = 0.0;  ///< kg/m^3
+  double size = 1.0;              ///< m
+  std::optional<double> density;  ///< kg/m^3
+  std::optional<double> mass;     ///< kg
   std::string material;
   Vec3 position = Vec3::Zero();          ///< m, centre of mass
   Vec3 velocity = Vec3::Zero();          ///< m/s

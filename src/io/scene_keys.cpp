@@ -105,7 +105,8 @@ const Keys<LatticeSpec> kLatticeKeys = {
 const Keys<BodySpec> kBodyKeys = {
     text("shape", &BodySpec::shape, kPath, "library name, or path of a shape file").required(),
     number("size", &BodySpec::size, "m", kSize, "scales the shape"),
-    number("density", &BodySpec::density, "kg/m^3", kDensity, "density of the body").required(),
+    number("density", &BodySpec::density, "kg/m^3", kDensity, "mean density of the body; this or mass"),
+    number("mass", &BodySpec::mass, "kg", above(0, 1e36), "of the body, whatever its volume"),
     text("material", &BodySpec::material, kReference, kMaterialHelp),
     vector("position", &BodySpec::position, "m", kPosition, "centre of mass"),
     vector("velocity", &BodySpec::velocity, "m/s", kVelocity, "velocity of the centre of mass"),

@@ -146,7 +146,7 @@ velocity = [0, 3e4, 0]
 size = [30, 40, 0]
 [[body]]
 shape = "sphere"
-density = 2500
+mass = 12.5
 [gravity]
 method = "none"
 [[stage]]

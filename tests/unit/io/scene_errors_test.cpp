@@ -111,18 +111,23 @@ TEST(SceneErrors, OutOfBounds) {
 }
 
 TEST(SceneErrors, MissingKeysNameTheirTable) {
-  expect_errors(kGood, {{"\n[[material]]\nfriction = 1",
-                         "s.toml:8:1: key 'material[0].name': missing key; table 'material[0]' that starts "
-                         "on line 8 requires it (string)"},
-                        {"[[body]]\nshape = 'x'",
-                         "s.toml:7:1: key 'body[1].density': missing key; table 'body[1]' that starts on "
-                         "line 7 requires it (number in kg/m^3)"},
-                        {"[[cloud]]\ncount = 1\nsize = 1\ndensity = 1\nshape = []",
-                         "s.toml:7:1: key 'cloud[0].shape': missing key; table 'cloud[0]' that starts on "
-                         "line 7 requires it (at least one [[...]] table)"},
-                        {"[stage.spin]",
-                         "s.toml:7:1: key 'stage[0].spin.path': missing key; table 'stage[0].spin' that "
-                         "starts on line 7 requires it ([[a, b], ...] in s)"}});
+  expect_errors(
+      kGood,
+      {{"\n[[material]]\nfriction = 1",
+        "s.toml:8:1: key 'material[0].name': missing key; table 'material[0]' that starts "
+        "on line 8 requires it (string)"},
+       {"[[lattice]]\nsize = 1\nregion = { kind = 'ball', radius = 1 }",
+        "s.toml:7:1: key 'lattice[0].density': missing key; table 'lattice[0]' that starts on "
+        "line 7 requires it (number in kg/m^3)"},
+       {"[[body]]\nshape = 'x'", "s.toml:7:1: key 'body[1]': expected one of the keys 'density' or 'mass'"},
+       {"[[body]]\nshape = 'x'\ndensity = 1\nmass = 2",
+        "s.toml:10:8: key 'body[1].mass': expected only one of 'density' or 'mass'"},
+       {"[[cloud]]\ncount = 1\nsize = 1\ndensity = 1\nshape = []",
+        "s.toml:7:1: key 'cloud[0].shape': missing key; table 'cloud[0]' that starts on "
+        "line 7 requires it (at least one [[...]] table)"},
+       {"[stage.spin]",
+        "s.toml:7:1: key 'stage[0].spin.path': missing key; table 'stage[0].spin' that "
+        "starts on line 7 requires it ([[a, b], ...] in s)"}});
   EXPECT_EQ(error_of(""),
             "s.toml:1:1: key 'stage': missing key; the file requires it (at least one "
             "[[...]] table)");
