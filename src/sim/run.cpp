@@ -145,7 +145,7 @@ Run Run::resume(const std::filesystem::path& path, Operation operation) {
     if (state.stage_starts.size() <= state.clock.stage)
       throw InputError("{}: checkpoint: expected the starts of the stages so far", path.string());
     set_walls(run.scene_, state.clock.stage, run.walls_, state.stage_starts, state.walls);
-    run.physics_ = resolve_physics(run.scene_, state.clock.stage, state.bodies, state.k_n);
+    run.physics_ = resolve_physics(run.scene_, state.clock.stage, state.bodies, state.k_n, state.clock.dt);
     prepare_scratch(run.physics_, state, run.scratch_);
     state.contacts.restore(std::exchange(run.inherited_, {}));
   }

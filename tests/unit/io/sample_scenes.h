@@ -42,6 +42,7 @@ name = "smooth"
 friction = 0
 
 [contact]
+enabled = true
 stiffness = 1e7
 time_step = 0.01
 unsafe_time_step = true
@@ -199,6 +200,7 @@ method = "none"
 [[stage]]
 name = "pass"
 duration = 10000
+contacts = false
 )";
 
 // A recipe for a pile: a lattice in a cloud, shaken, carved, scaled and settled.
