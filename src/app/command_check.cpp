@@ -109,12 +109,15 @@ void check(const Options& options) {
     seconds += static_cast<double>(physics.steps) *
                (trial->step + trial->row * std::min(1.0, physics.contacts.dt / physics.series_interval));
     output += output_size(physics, bodies);
-    fmt::print(
-        "stage {} '{}'\n  models     {}\n  stiffness  {:.4g} N/m; shortest contact {:.4g} s\n"
-        "  time step  {:.4g} s (longest safe {:.4g} s), {} steps for {:.6g} s\n",
-        k, scene.stages[k].name, describe_models(physics, bodies, !walls.empty(), state.box.periodic()),
-        physics.k_n, physics.contact_time, physics.contacts.dt, kLongestSafeStep * physics.contact_time,
-        physics.steps, scene.stages[k].duration + scene.stages[k].extension);
+    fmt::print("stage {} '{}'\n  models     {}\n", k, scene.stages[k].name,
+               describe_models(physics, bodies, !walls.empty(), state.box.periodic()));
+    if (physics.can_touch)
+      fmt::print("  stiffness  {:.4g} N/m; shortest contact {:.4g} s\n", physics.k_n, physics.contact_time);
+    fmt::print("  time step  {:.4g} s{}, {} steps for {:.6g} s\n", physics.contacts.dt,
+               physics.can_touch
+                   ? fmt::format(" (longest safe {:.4g} s)", kLongestSafeStep * physics.contact_time)
+                   : "",
+               physics.steps, scene.stages[k].duration + scene.stages[k].extension);
     if (first) {
       std::vector<std::string> all = warnings(physics, bodies, walls);
       all.insert(all.end(), trial->warnings.begin(), trial->warnings.end());

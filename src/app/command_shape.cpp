@@ -214,6 +214,14 @@ void show_shape(const ShowOptions& options) {
                rigid.moment_error);
   }
   fmt::print("gravity off: moments of the spheres with their gravity masses against these, relative\n");
+  if (!shape.own.of_spheres.empty())
+    fmt::print("masses of the spheres: the file's own{}\n",
+               shape.own.inertia ? "" : ", and so are the centre of mass and the moments");
+  if (shape.own.inertia) {
+    const Vec3 moments = principal_frame(*shape.own.inertia).moments;
+    fmt::print("moments{}: the file's own{}\n", shape.own.center ? " and centre of mass" : "",
+               moments[2] > (1.0 - kLaminaRounding) * (moments[0] + moments[1]) ? ", of a lamina" : "");
+  }
   if (shape.source) print_source(*shape.source);
   const std::filesystem::path mesh = find_mesh(shape, options);
   const RigidShape rigid = make_rigid(shape, MassModel::mesh);

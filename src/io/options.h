@@ -159,6 +159,13 @@ Key<T> flag(std::string name, bool T::*member, std::string help) {
   return make_key(info, member, read_flag);
 }
 
+/// The same, absent unless given.
+template <class T>
+Key<T> flag(std::string name, std::optional<bool> T::*member, std::string help) {
+  KeyInfo info{.name = name, .type = "boolean", .fallback = "-", .help = help};
+  return make_key(info, member, read_flag);
+}
+
 /// `length` bounds the number of bytes of a text on one line.
 template <class T>
 Key<T> text(std::string name, std::string T::*member, Bounds length, std::string help) {

@@ -120,6 +120,7 @@ class Checks {
 
   void check_body(BodySpec& body, const std::string& key) const {
     complete_material(body.material, key);
+    check_one_of(key, {"density", "mass"}, true);
     body.orientation.coeffs() = direction<Eigen::Vector4d>(body.orientation.coeffs(), key + ".orientation");
   }
 
@@ -169,6 +170,9 @@ class Checks {
       if (std::find(names.begin(), names.end(), wall.stages[i]) == names.end())
         throw error(key + ".stages", "no [[stage]] is called '{}'; expected some of {}", wall.stages[i],
                     alternatives(names));
+      const auto stage = std::find(names.begin(), names.end(), wall.stages[i]) - names.begin();
+      if (!contacts_of(scene_, static_cast<std::size_t>(stage)))
+        throw error(key + ".stages", "has no effect in stage '{}', which has no contacts", wall.stages[i]);
     }
   }
 
@@ -190,6 +194,20 @@ class Checks {
       throw error(given("contact.overlap_limit") ? "contact.overlap_limit" : "contact.max_overlap",
                   "expected max_overlap <= overlap_limit, found {} and {}", show(contact.max_overlap),
                   show(contact.overlap_limit));
+    for (std::size_t i = 0; i < scene_.stages.size(); ++i)
+      if (!scene_.stages[i].operates() && contacts_of(scene_, i)) return;
+    // None of the stages has contacts.
+    for (const char* name : {"stiffness", "unsafe_time_step", "steps_per_contact", "max_overlap",
+                             "overlap_limit", "damping_mass", "rolling_slip"})
+      if (const std::string key = std::string("contact.") + name; given(key))
+        throw error(key, "has no effect, because no stage has contacts");
+    if (!scene_.walls.empty()) throw error("wall[0]", "has no effect, because no stage has contacts");
+  }
+
+  /// Keys of a stage that only contacts give a meaning.
+  void check_without_contacts(const std::string& key) const {
+    for (const char* name : {".material", ".impact_speed", ".stiffness"})
+      if (given(key + name)) throw error(key + name, "has no effect in a stage without contacts");
   }
 
   void check_gravity() const {
@@ -243,9 +261,9 @@ class Checks {
       require(key + ".duration", "the stage does not carve, scale or assign");
       return;
     }
-    for (const char* name : {".duration", ".extension", ".material", ".impact_speed", ".stiffness",
-                             ".time_step", ".spin", ".strain_rate", ".packing", ".gravity", ".field",
-                             ".quiet_energy", ".quiet_speed", ".quiet_interval"})
+    for (const char* name : {".duration", ".extension", ".material", ".contacts", ".impact_speed",
+                             ".stiffness", ".time_step", ".spin", ".strain_rate", ".packing", ".gravity",
+                             ".field", ".quiet_energy", ".quiet_speed", ".quiet_interval"})
       if (given(key + name))
         throw error(key + name, "has no effect in a stage that carves, scales or assigns");
     if (scene_.box) throw error(key, "a pile in a periodic box cannot be carved, scaled or assigned");
@@ -275,6 +293,7 @@ class Checks {
       if (!names.insert(stage.name).second)
         throw error(key + ".name", "expected a name of its own, found '{}' for a second time", stage.name);
       check_operation(stage, key);
+      if (!contacts_of(scene_, names.size() - 1)) check_without_contacts(key);
       check_quiet(names.size() - 1, key);
       if (stage.carve) carved = !stage.carve->outside;
       carved = carved || (stage.scale && stage.scale->volume);
@@ -360,7 +379,12 @@ std::string wall_name(const Scene& scene, std::size_t wall) {
   return name.empty() ? fmt::format("{}", wall) : name;
 }
 
+bool contacts_of(const Scene& scene, std::size_t stage) {
+  return scene.stages[stage].contacts.value_or(scene.contact.enabled);
+}
+
 bool has_wall(const Scene& scene, std::size_t stage, std::size_t wall) {
+  if (!contacts_of(scene, stage)) return false;
   const std::vector<std::string>& names = scene.walls[wall].stages;
   return names.empty() || std::find(names.begin(), names.end(), scene.stages[stage].name) != names.end();
 }

@@ -80,11 +80,12 @@ struct LatticeSpec {
   RegionSpec region;
 };
 
-/// One body put by hand.
+/// One body put by hand. One of density and mass is given.
 struct BodySpec {
   std::string shape;
-  double size = 1.0;     ///< m
-  double density = 0.0;  ///< kg/m^3
+  double size = 1.0;              ///< m
+  std::optional<double> density;  ///< kg/m^3
+  std::optional<double> mass;     ///< kg
   std::string material;
   Vec3 position = Vec3::Zero();          ///< m, centre of mass
   Vec3 velocity = Vec3::Zero();          ///< m/s
@@ -121,6 +122,7 @@ struct WallSpec {
 };
 
 struct ContactSpec {
+  bool enabled = true;              ///< false: bodies pass through each other and through walls
   std::optional<double> stiffness;  ///< k_N, N/m; chosen by the program when absent
   std::optional<double> time_step;  ///< s; chosen by the program when absent
   bool unsafe_time_step = false;    ///< accept a time step longer than the longest safe one
@@ -208,9 +210,10 @@ struct AssignSpec {
 /// A stretch of the run with its own settings, or an operation on the bodies that takes no time.
 struct StageSpec {
   std::string name;
-  double duration = 0.0;   ///< s; the longest, when it can end earlier
-  double extension = 0.0;  ///< s, that it goes on after its duration
-  std::string material;    ///< replaces every body's material during the stage, when given
+  double duration = 0.0;         ///< s; the longest, when it can end earlier
+  double extension = 0.0;        ///< s, that it goes on after its duration
+  std::string material;          ///< replaces every body's material during the stage, when given
+  std::optional<bool> contacts;  ///< replaces contact.enabled
   std::optional<double>
       impact_speed;                 ///< m/s, for the automatic stiffness; the pile's escape speed when absent
   std::optional<double> stiffness;  ///< N/m; replaces contact.stiffness
@@ -273,7 +276,10 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::f
 /// What other tables and the columns of the series call wall `wall`: its name, or its number.
 std::string wall_name(const Scene& scene, std::size_t wall);
 
-/// Whether wall `wall` is there in stage `stage`.
+/// Whether bodies and walls can touch in stage `stage`, were they to meet.
+bool contacts_of(const Scene& scene, std::size_t stage);
+
+/// Whether wall `wall` is there in stage `stage`; without contacts none is.
 bool has_wall(const Scene& scene, std::size_t stage, std::size_t wall);
 
 /// Self-gravity and the uniform field (m/s^2) in stage `stage`.

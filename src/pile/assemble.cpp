@@ -1,6 +1,7 @@
 #include "pile/assemble.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "body/columns.h"
@@ -135,8 +136,9 @@ Setup assemble(const Scene& scene) {
   }
   for (const BodySpec& body : scene.bodies) {
     const std::uint32_t index = shapes.index(body.shape);
-    add_body(setup.bodies, shapes.all()[index], index, body.size, body.density,
-             material_index(scene, body.material),
+    const double volume = shapes.all()[index].volume * std::pow(body.size, 3);
+    add_body(setup.bodies, shapes.all()[index], index, body.size,
+             body.density ? *body.density : *body.mass / volume, material_index(scene, body.material),
              {.orientation = body.orientation,
               .velocity = body.velocity,
               .angular_velocity = body.angular_velocity,

@@ -57,6 +57,14 @@ struct SourceMesh {
   std::optional<FitRecord> fit = {};  ///< absent from files of other origin
 };
 
+/// What a shape file itself says of the mass of a body; what it leaves out follows from the mass model.
+struct OwnMass {
+  std::vector<double> of_spheres =
+      {};                            ///< relative to each other, each spread evenly over its sphere; or empty
+  std::optional<Vec3> center = {};   ///< of mass, in reference radii; with `of_spheres` theirs
+  std::optional<Mat3> inertia = {};  ///< about the centre of mass, per mass, in reference radii^2
+};
+
 /// Spheres as the shape file gives them. Lengths in units of the reference radius ("size" of a body, m).
 struct Shape {
   std::string name;
@@ -64,6 +72,7 @@ struct Shape {
   std::vector<Vec3> centers;
   std::vector<double> radii;
   std::optional<SourceMesh> source = {};
+  OwnMass own = {};
 };
 
 /// Sum over spheres; overlaps count as often as they are covered.
@@ -82,14 +91,29 @@ struct RigidShape {
   Vec3 center = Vec3::Zero();    ///< centre of mass in the frame of the shape file
   std::vector<Vec3> offsets;     ///< sphere centres, principal frame, origin at the centre of mass
   std::vector<double> radii;
-  /// Gravity masses: sum 1, first moment 0, nearest to proportional to r^3, none below a thousandth of that.
+  /// Gravity masses: sum 1, first moment 0; the shape's own, or nearest to proportional to r^3, none below a
+  /// thousandth of that.
   std::vector<double> mass_fractions;
   double moment_error = 0.0;     ///< relative mismatch of the point masses' second moments and the inertia
   double bounding_radius = 0.0;  ///< about the centre of mass
 };
 
+/// Part of the greatest principal moment by which it may pass the sum of the two others, a lamina's: numbers
+/// are rounded.
+inline constexpr double kLaminaRounding = 1e-6;
+
+/// What is wrong with a shape's own mass, and the key of a shape file that says it.
+struct MassComplaint {
+  std::string key, what;
+};
+
+/// Whether a body can have the shape's own mass: positive masses of all spheres or of none, a centre that is
+/// theirs, principal moments above 0 (1e-9 of the greatest) of which none passes the sum of the two others.
+std::optional<MassComplaint> check_own_mass(const Shape& shape);
+
 /// Principal frame, inertia and gravity masses of a shape.
-/// @throws InputError when there is no sphere, a number is not finite, or no positive gravity masses balance.
+/// @throws InputError when there is no sphere, a number is not finite, no positive gravity masses balance, or
+/// what the shape says of its own mass is that of no body.
 RigidShape make_rigid(const Shape& shape, MassModel model);
 
 }  // namespace cairn

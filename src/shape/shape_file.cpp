@@ -51,6 +51,12 @@ std::string exact(const Vec3& v) {
   return fmt::format("[{}, {}, {}]", exact(v.x()), exact(v.y()), exact(v.z()));
 }
 
+// A symmetric tensor as xx, yy, zz, xy, xz, yz.
+std::string exact(const Mat3& m) {
+  return fmt::format("[{}, {}, {}, {}, {}, {}]", exact(m(0, 0)), exact(m(1, 1)), exact(m(2, 2)),
+                     exact(m(0, 1)), exact(m(0, 2)), exact(m(1, 2)));
+}
+
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -81,7 +87,7 @@ class Reader {
   explicit Reader(std::string file) : file_(std::move(file)) {}
 
   Shape read(const toml::table& root) const {
-    check_keys(root, {"name", "description", "mesh", "error", "fit", "sphere"});
+    check_keys(root, {"name", "description", "body", "mesh", "error", "fit", "sphere"});
     Shape shape;
     shape.name = text(root, "name");
     if (shape.name.empty()) fail(*root.get("name"), "name", "expected a name, found an empty string");
@@ -96,11 +102,21 @@ class Reader {
            fmt::format("expected at most {} spheres, found {}", kMostSpheres, tables->size()));
     for (const toml::node& node : *tables) {
       const toml::table& sphere = *node.as_table();
-      check_keys(sphere, {"center", "radius"});
+      check_keys(sphere, {"center", "radius", "mass"});
       shape.centers.push_back(center(sphere));
       shape.radii.push_back(radius(sphere));
+      if (tables->get(0)->as_table()->contains("mass"))
+        shape.own.of_spheres.push_back(mass(sphere));
+      else if (sphere.contains("mass"))
+        fail(*sphere.get("mass"), "mass", "expected masses of all spheres or of none; the first has none");
     }
     check_distinct(shape, *tables);
+    if (root.contains("body")) {
+      const toml::table& body = table(root, "body");
+      read_body(body, shape.own);
+      if (const auto complaint = check_own_mass(shape))
+        fail(*body.get(complaint->key), complaint->key, complaint->what);
+    }
     if (root.contains("mesh")) shape.source = source(table(root, "mesh"));
     if (root.contains("error")) {
       if (!shape.source) fail(*root.get("error"), "error", "expected a [mesh] table beside it");
@@ -195,6 +211,27 @@ class Reader {
     return number(required(from, key, expected), key, least, most, expected);
   }
 
+  /// Mass properties of the body's own.
+  void read_body(const toml::table& from, OwnMass& own) const {
+    check_keys(from, {"center_of_mass", "inertia"});
+    if (from.contains("center_of_mass"))
+      own.center = Vec3(numbers<3>(from, "center_of_mass", kLargest).data());
+    if (!from.contains("inertia")) return;
+    const toml::node& node = *from.get("inertia");
+    const double most = kLargest * kLargest;
+    Mat3 inertia = Mat3::Zero();
+    if (node.is_array() && node.as_array()->size() == 3) {
+      inertia.diagonal() = Vec3(numbers<3>(from, "inertia", most).data());
+    } else if (node.is_array() && node.as_array()->size() == 6) {
+      const auto [xx, yy, zz, xy, xz, yz] = numbers<6>(from, "inertia", most);
+      inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+    } else {
+      fail(node, "inertia",
+           "expected [xx, yy, zz] or [xx, yy, zz, xy, xz, yz], per mass, in reference radii^2");
+    }
+    own.inertia = inertia;
+  }
+
   SourceMesh source(const toml::table& from) const {
     check_keys(from, {"file", "unit", "size", "origin", "volume", "centroid", "inertia"});
     SourceMesh mesh;
@@ -253,6 +290,13 @@ class Reader {
     return number(required(sphere, "radius", expected), "radius", kSmallest, kLargest, expected);
   }
 
+  double mass(const toml::table& sphere) const {
+    constexpr double least = 1e-30, most = 1e30;
+    const std::string expected =
+        fmt::format("expected a number from {:g} to {:g}, relative to the other spheres'", least, most);
+    return number(required(sphere, "mass", expected), "mass", least, most, expected);
+  }
+
   void check_distinct(const Shape& shape, const toml::array& tables) const {
     std::vector<std::size_t> order(shape.radii.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -294,19 +338,24 @@ Shape parse_shape(std::string_view text, const std::string& file) {
 std::string shape_text(const Shape& shape) {
   std::string out =
       fmt::format("name = {}\ndescription = {}\n", quoted(shape.name), quoted(shape.description));
+  if (shape.own.center || shape.own.inertia) {
+    out += "\n[body]\n";
+    if (shape.own.center) out += fmt::format("center_of_mass = {}\n", exact(*shape.own.center));
+    if (shape.own.inertia)
+      out += fmt::format("inertia = {}  # xx, yy, zz, xy, xz, yz; per mass, about the centre of mass\n",
+                         exact(*shape.own.inertia));
+  }
   if (shape.source) {
     const SourceMesh& mesh = *shape.source;
-    const Mat3& i = mesh.mass.inertia;
     out += fmt::format(
         "\n[mesh]  # that the spheres stand for; mass properties at unit density, in reference radii\nfile = "
         "{}\n"
         "unit = {}  # m, of that file\nsize = {}  # m, reference radius at which the body is as large as the "
         "mesh\n"
         "origin = {}  # m, of the frame used here in the mesh's\nvolume = {}\ncentroid = {}\n"
-        "inertia = [{}, {}, {}, {}, {}, {}]  # xx, yy, zz, xy, xz, yz\n",
+        "inertia = {}  # xx, yy, zz, xy, xz, yz\n",
         quoted(mesh.file), exact(mesh.unit), exact(mesh.size), exact(mesh.origin), exact(mesh.mass.volume),
-        exact(mesh.mass.centroid), exact(i(0, 0)), exact(i(1, 1)), exact(i(2, 2)), exact(i(0, 1)),
-        exact(i(0, 2)), exact(i(1, 2)));
+        exact(mesh.mass.centroid), exact(mesh.mass.inertia));
     out +=
         "\n[error]  # of the spheres: distances between the surfaces, the others of the volume they cover\n";
     for (const auto& [key, value] : kErrors) out += fmt::format("{} = {}\n", key, exact(mesh.error.*value));
@@ -317,9 +366,11 @@ std::string shape_text(const Shape& shape) {
           name_of(kStrategyNames, mesh.fit->strategy), name_of(kMassModelNames, mesh.fit->mass),
           mesh.fit->seed);
   }
-  for (std::size_t s = 0; s < shape.radii.size(); ++s)
+  for (std::size_t s = 0; s < shape.radii.size(); ++s) {
     out += fmt::format("\n[[sphere]]\ncenter = {}\nradius = {}\n", exact(shape.centers[s]),
                        exact(shape.radii[s]));
+    if (!shape.own.of_spheres.empty()) out += fmt::format("mass = {}\n", exact(shape.own.of_spheres[s]));
+  }
   return out;
 }
 

@@ -1,6 +1,8 @@
 // One shape file: TOML with `name`, optionally `description`, one [[sphere]] table a sphere, and for spheres
 // that stand for a mesh the tables [mesh] (its mass properties), [error] (how well they do) and, optionally,
-// [fit] (how to fit them again).
+// [fit] (how to fit them again). Where the mass is not spread as the scene's mass model says, spheres have a
+// `mass` (relative to each other), or the table [body] an `inertia` (per mass, about the centre of mass) and
+// a `center_of_mass`.
 #pragma once
 
 #include <string>

@@ -90,11 +90,73 @@ void check_cohesion(const Physics& p, const std::string& stage, const Bodies& bo
       stage, pull / p.k_n, p.overlap_limit, pull / p.overlap_limit);
 }
 
+/// Time step (s) of a stage in which nothing touches, when none is given: a hundredth of the shortest time in
+/// which motion changes; at this part leapfrog errs by 4e-6 of an orbit's angle. No longer than a thousandth
+/// of the stage, for the series.
+double free_step(const Physics& p, const StageSpec& stage, const Bodies& bodies) {
+  constexpr double kPart = 0.01, kLongest = 1e-3;
+  double shortest = std::numeric_limits<double>::infinity();
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (!is_ball(bodies, b)) shortest = std::min(shortest, bodies.inertia[b][0] / bodies.spin[b].norm());
+  const Spheres& spheres = bodies.spheres;
+  if (p.gravity != GravityMethod::none && bodies.size() > 1)  // no two can be faster while they are apart
+    for (std::size_t s = 0; s < spheres.size(); ++s)
+      shortest = std::min(
+          shortest, std::sqrt(std::pow(spheres.radius[s], 3) / (kGravitationalConstant * spheres.mass[s])));
+  for (const gravity::Perturber& q : p.perturbers) {
+    const double nearest = std::max(q.radius, q.tidal ? closest(q.orbit) : 0.0);
+    if (nearest == 0.0)
+      throw InputError(
+          "stage '{}': no time step can be chosen, because perturber '{}' has no radius and bodies may come "
+          "as near as they like; give contact.time_step",
+          stage.name, q.name);
+    shortest = std::min(shortest, std::sqrt(std::pow(nearest, 3) / q.gm));
+  }
+  if (stage.spin)
+    for (const SpinPoint& point : stage.spin->path) shortest = std::min(shortest, point.period / (2.0 * kPi));
+  if (const double rate = stage.strain_rate.cwiseAbs().maxCoeff(); rate > 0.0)
+    shortest = std::min(shortest, 1.0 / rate);
+  return std::min(kPart * shortest, kLongest * stage.duration);
+}
+
+/// The laws of the stage's materials at p.k_n, and the time (s) of the shortest contact.
+void resolve_contacts(const Scene& scene, std::size_t index, const Bodies& bodies, Physics& p) {
+  const StageSpec& stage = scene.stages[index];
+  const ContactSpec& contact = scene.contact;
+  p.materials = body_materials(scene, stage);
+  p.wall_materials = wall_materials(scene, index);
+  p.contacts.material = bodies.material;
+  if (p.materials.size() == 1)
+    std::fill(p.contacts.material.begin(), p.contacts.material.end(), std::uint16_t{0});
+  p.contacts.materials = p.materials.size();
+  for (const Material& a : p.materials)
+    for (const Material& b : p.materials) p.contacts.laws.push_back(make_pair_law(a, b, p.k_n));
+  std::vector<Material> touching = p.materials;
+  touching.insert(touching.end(), p.wall_materials.begin(), p.wall_materials.end());
+  p.contacts.features = required_features(touching, contact.rolling_slip == RollingSlip::zhang2017);
+  p.contacts.sphere_damping = contact.damping_mass == DampingMass::spheres;
+
+  check_cohesion(p, stage.name, bodies, !p.wall_materials.empty());
+
+  double shape_factor = 0.0;
+  for (const Material& m : touching) shape_factor = std::max(shape_factor, m.shape_factor);
+  p.contact_time = shortest_contact_time(bodies, p.k_n, shape_factor, p.contacts.features.rolling,
+                                         !p.wall_materials.empty());
+}
+
 }  // namespace
+
+bool can_touch(const Scene& scene, std::size_t index, const Bodies& bodies) {
+  if (!contacts_of(scene, index)) return false;
+  for (std::size_t w = 0; w < scene.walls.size(); ++w)
+    if (has_wall(scene, index, w)) return true;
+  return bodies.size() > 1;
+}
 
 double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies,
                          const std::vector<Wall>& walls, double held) {
   const StageSpec& stage = scene.stages[index];
+  if (!can_touch(scene, index, bodies)) return held;
   if (stage.stiffness) return *stage.stiffness;
   if (scene.contact.stiffness) return *scene.contact.stiffness;
   const bool quiet = walls.empty() && field_of(scene, index) == Vec3::Zero() &&
@@ -119,40 +181,30 @@ double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bo
   return k_n;
 }
 
-Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bodies, double k_n) {
+Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bodies, double k_n,
+                        double held) {
   const StageSpec& stage = scene.stages[index];
   const ContactSpec& contact = scene.contact;
   Physics p;
 
+  p.can_touch = can_touch(scene, index, bodies);
   p.k_n = k_n;
   p.overlap_limit = contact.overlap_limit;
-  p.materials = body_materials(scene, stage);
-  p.wall_materials = wall_materials(scene, index);
-  p.contacts.material = bodies.material;
-  if (p.materials.size() == 1)
-    std::fill(p.contacts.material.begin(), p.contacts.material.end(), std::uint16_t{0});
-  p.contacts.materials = p.materials.size();
-  for (const Material& a : p.materials)
-    for (const Material& b : p.materials) p.contacts.laws.push_back(make_pair_law(a, b, k_n));
-  std::vector<Material> touching = p.materials;
-  touching.insert(touching.end(), p.wall_materials.begin(), p.wall_materials.end());
-  p.contacts.features = required_features(touching, contact.rolling_slip == RollingSlip::zhang2017);
-  p.contacts.sphere_damping = contact.damping_mass == DampingMass::spheres;
-
-  check_cohesion(p, stage.name, bodies, !p.wall_materials.empty());
-
-  double shape_factor = 0.0;
-  for (const Material& m : touching) shape_factor = std::max(shape_factor, m.shape_factor);
-  p.contact_time = shortest_contact_time(bodies, k_n, shape_factor, p.contacts.features.rolling,
-                                         !p.wall_materials.empty());
+  if (p.can_touch) resolve_contacts(scene, index, bodies, p);
+  p.gravity = gravity_of(scene, index);
+  p.body_mass = std::accumulate(bodies.mass.begin(), bodies.mass.end(), 0.0);
+  p.perturbers = make_perturbers(scene, p.body_mass);
   const std::optional<double> given = stage.time_step ? stage.time_step : contact.time_step;
   const double longest = kLongestSafeStep * p.contact_time;
-  if (given && *given > longest && !contact.unsafe_time_step)
+  if (p.can_touch && given && *given > longest && !contact.unsafe_time_step)
     throw InputError(
         "stage '{}': time_step {:.4g} s is too long; the longest safe one is {:.4g} s ({:.0f} per shortest "
         "contact)",
         stage.name, *given, longest, 1.0 / kLongestSafeStep);
-  const double aim = given ? *given : p.contact_time / contact.steps_per_contact;
+  const double aim = given         ? *given
+                     : p.can_touch ? p.contact_time / contact.steps_per_contact
+                     : held > 0.0  ? held
+                                   : free_step(p, stage, bodies);
   if (const double steps = (stage.duration + stage.extension) / aim; !(steps < 1e15))
     throw InputError("stage '{}': {:.3g} steps of {:.3g} s are more than a run can make", stage.name, steps,
                      aim);
@@ -163,7 +215,6 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   p.contacts.dt = dt;
   p.steps += static_cast<std::uint64_t>(std::llround(stage.extension / dt));
 
-  p.gravity = gravity_of(scene, index);
   if (scene.gravity.opening_angle) {
     p.tree.theta = *scene.gravity.opening_angle;
     p.tree.order = static_cast<int>(scene.gravity.order);
@@ -181,8 +232,6 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
     density = std::max(density, bodies.mass[b] / bodies.volume[b]);
   p.fall_time = 1.0 / std::sqrt(4.0 / 3.0 * kPi * kGravitationalConstant * density);
   p.field = field_of(scene, index);
-  p.body_mass = std::accumulate(bodies.mass.begin(), bodies.mass.end(), 0.0);
-  p.perturbers = make_perturbers(scene, p.body_mass);
   p.largest_radius = *std::max_element(bodies.spheres.radius.begin(), bodies.spheres.radius.end());
   p.spin = stage.spin;
   p.strain_rate = stage.strain_rate;
@@ -227,7 +276,7 @@ std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies,
         fmt::format("{} that meet at {:.3g} m/s would overlap by about {:.2g} of the smallest "
                     "radius; overlap_limit is {:g}: raise impact_speed or stiffness",
                     what, speed, overlap, physics.overlap_limit));
-  if (speed * dt > 0.5 * smallest)
+  if (physics.can_touch && speed * dt > 0.5 * smallest)
     out.push_back(
         fmt::format("{} move by {:.3g} of the smallest radius in a step and may pass through each "
                     "other unseen",
@@ -277,7 +326,9 @@ double packing_fraction(const Physics& physics, const Box& box) {
 std::string describe_models(const Physics& physics, const Bodies& bodies, bool walls, bool box) {
   const Features& f = physics.contacts.features;
   std::string text = bodies.size() == bodies.spheres.size() ? "loose spheres" : "aggregates";
-  text += "; normal";
+  text += physics.can_touch    ? "; normal"
+          : bodies.size() == 1 ? "; no contacts: nothing can touch"
+                               : "; no contacts: bodies pass through each other";
   if (f.tangential) text += " + tangential";
   if (f.rolling) text += " + rolling";
   if (f.twisting) text += " + twisting";

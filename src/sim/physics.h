@@ -13,11 +13,12 @@
 namespace cairn {
 
 struct Physics {
+  bool can_touch = true;                 ///< otherwise there is no search, no law and no stiffness
   SweepSettings contacts;                ///< with the time step of the stage
   std::vector<Material> materials;       ///< of the bodies; settings.material indexes these
   std::vector<Material> wall_materials;  ///< of each wall
   double k_n = 0.0;                      ///< N/m
-  double contact_time = 0.0;             ///< s, shortest any contact can last
+  double contact_time = 0.0;             ///< s, shortest any contact can last; 0 where nothing can touch
   double overlap_limit = 0.1;
   std::uint64_t steps = 0;  ///< of the stage
   GravityMethod gravity = GravityMethod::none;
@@ -44,16 +45,22 @@ struct Physics {
   double snapshot_interval = 0.0;                   ///< s; 0: only at the end of the stage
 };
 
+/// Whether anything can touch in stage `index`: it has contacts, and two bodies or a wall.
+bool can_touch(const Scene& scene, std::size_t index, const Bodies& bodies);
+
 /// Normal stiffness (N/m) of stage `index` with its walls: given by the scene, or chosen for the bodies as
 /// they are now. Where nothing but self-gravity is to be borne, it stays what contacts have `held` so far (0:
-/// none): stiffer ones would push a settled pile apart.
+/// none): stiffer ones would push a settled pile apart; and so where nothing can touch.
 /// @throws InputError when nothing loads the contacts and none is given.
 double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies,
                          const std::vector<Wall>& walls, double held);
 
-/// Resolves stage `index` of the scene for these bodies at stiffness k_n; does not depend on their motion.
+/// Resolves stage `index` of the scene for these bodies at stiffness k_n. Depends on their motion only where
+/// nothing can touch and no time step is given: this follows from their spins at the start of the stage, and
+/// within it from the time step `held` (s; 0: the stage begins).
 /// @throws InputError when the time step is longer than the longest safe one, or cohesion too strong for k_n.
-Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bodies, double k_n);
+Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bodies, double k_n,
+                        double held = 0.0);
 
 /// What looks wrong about the motion of bodies and walls at the start of a stage: blows deeper than the
 /// overlap limit, what could pass through each other unseen, turns or swings too far in one step, or is too

@@ -160,7 +160,7 @@ Run Run::load(const std::filesystem::path& path, Operation operation) {
   if (run.results_.has_group("stages")) run.results_.read_static("stages", run.stages_done_.table());
   if (state.clock.steps > 0) {  // within a stage; otherwise it is about to begin
     set_walls(run.scene_, state.clock.stage, run.walls_, state.stage_starts, state.walls);
-    run.physics_ = resolve_physics(run.scene_, state.clock.stage, state.bodies, state.k_n);
+    run.physics_ = resolve_physics(run.scene_, state.clock.stage, state.bodies, state.k_n, state.clock.dt);
     naming(path.string(), [&] {
       check_stage(state, run.physics_.steps, run.physics_.contacts.dt,
                   run.physics_.gravity != GravityMethod::none);

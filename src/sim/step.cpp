@@ -255,6 +255,13 @@ bool more_acts(const Physics& physics, const State& state) {
 void evaluate_forces(const Physics& physics, const SweepSettings& settings, double kick_dt, State& state,
                      Scratch& scratch) {
   const OtherForces others(physics, more_acts(physics, state) ? 0.0 : kick_dt, state, scratch);
+  if (!physics.can_touch) {
+    parallel_blocks(state.bodies.size(), kBodyBlock, [&](std::size_t begin, std::size_t end) {
+      others.before_contacts(state.bodies, begin, end);
+      others.after_contacts(state.bodies, begin, end);
+    });
+    return;
+  }
   const SweepReport pairs = sweep(scratch.motions, settings, state.contacts, state.bodies, others);
   apply_partial_kicks(state.contacts, state.bodies);
   WallReport walls;
@@ -310,10 +317,12 @@ bool is_quiet(const Physics& physics, const State& state, Scratch& scratch) {
 }  // namespace
 
 void prepare_scratch(const Physics& physics, State& state, Scratch& scratch) {
-  state.walls.set_laws(physics.materials, physics.wall_materials, physics.k_n);
-  scratch.wall_candidates = WallCandidates{};  // those of other walls, perhaps
-  scratch.candidates.rebuild(state.bodies, rigid_motion(state), physics.contacts.features, state.contacts,
-                             state.box);
+  if (physics.can_touch) {
+    state.walls.set_laws(physics.materials, physics.wall_materials, physics.k_n);
+    scratch.wall_candidates = WallCandidates{};  // those of other walls, perhaps
+    scratch.candidates.rebuild(state.bodies, rigid_motion(state), physics.contacts.features, state.contacts,
+                               state.box);
+  }
   scratch.list_age = 0;
   scratch.everyone.assign(state.bodies.size(), 1);
   if (physics.gravity == GravityMethod::tree) {
@@ -340,6 +349,7 @@ void begin_stage(const Physics& physics, std::vector<ContactRecord> contacts, St
       c.memory.twist *= ratio;
     }
   };
+  if (!physics.can_touch) contacts.clear();  // what they held is forgotten
   rescale(contacts);
   rescale(state.walls.contacts);
   state.contacts = ContactList{};
@@ -383,7 +393,7 @@ void step(const Physics& physics, State& state, Scratch& scratch) {
     }
     advance(half_stretch, dt, state, scratch);
   }
-  {
+  if (physics.can_touch) {
     ScopedTimer timer(time_of(scratch, Phase::search));
     refresh_neighbours(physics, state, scratch);
   }

@@ -24,7 +24,7 @@ std::vector<Mistake> mistakes() {
       {"WrongType",
        with(kTwo, "duration = 3", "duration = \"long\""),
        {"scene.toml:20:12", "stage[0].duration"}},
-      {"MissingKey", with(kTwo, "density = 2000\n", ""), {"body[0].density"}},
+      {"MissingKey", with(kTwo, "density = 2000\n", ""), {"body[0]", "'density' or 'mass'"}},
       {"NotToml", with(kTwo, "[gravity]", "[gravity"), {"scene.toml:15"}},
       {"NegativeSize", with(kTwo, "size = 1", "size = -1"), {"body[0].size", "-1"}},
       {"RestitutionAboveOne",

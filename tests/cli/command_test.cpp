@@ -100,6 +100,24 @@ TEST(Commands, HelpCheckAndShapes) {
   EXPECT_TRUE(refused(cairn(folder, {"shape", "show", "dumbel"}), {"dumbel", "dumbbell"}));
 }
 
+TEST(Commands, CheckTellsThatNothingCanTouch) {
+  const Folder folder;
+  const std::string scene = with(kTwo, "method = \"none\"", "method = \"direct\"");
+  folder.write("through.toml", scene + "\n[contact]\nenabled = false\n");
+  const Outcome check = cairn(folder, {"check", "through.toml"});
+  ASSERT_TRUE(succeeded(check));
+  EXPECT_TRUE(
+      contains(check.out, "loose spheres; no contacts: bodies pass through each other; direct gravity"))
+      << check.out;
+  EXPECT_FALSE(contains(check.out, "stiffness")) << check.out;
+  EXPECT_TRUE(succeeded(cairn(folder, {"run", "through.toml"})));
+  folder.write(
+      "alone.toml",
+      "[[body]]\nshape = \"sphere\"\ndensity = 1000\n[gravity]\nmethod = \"none\"\n[[stage]]\nname = "
+      "\"s\"\nduration = 1\n");
+  EXPECT_TRUE(contains(cairn(folder, {"check", "alone.toml"}).out, "no contacts: nothing can touch"));
+}
+
 TEST(Commands, PicturesAndTables) {
   const Folder folder;
   folder.write("scene.toml", kTwo);

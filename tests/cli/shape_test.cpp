@@ -185,6 +185,34 @@ TEST(ShapeCommand, AFitCanBeRepeatedFromItsFile) {
   }
 }
 
+TEST(ShapeCommand, ShowTellsMassOfTheFilesOwn) {
+  const Folder folder;
+  const std::string spheres =
+      "[[sphere]]\ncenter = [0, 0, 0]\nradius = 1\nmass = 1\n[[sphere]]\ncenter = [2, 0, "
+      "0]\nradius = 1\nmass = 3\n";
+  folder.write("loaded.toml", "name = \"loaded\"\n" + spheres);
+  const Outcome loaded = cairn(folder, {"shape", "show", "loaded.toml"});
+  ASSERT_TRUE(succeeded(loaded));
+  EXPECT_TRUE(contains(
+      loaded.out, "masses of the spheres: the file's own, and so are the centre of mass and the moments"))
+      << loaded.out;
+  EXPECT_TRUE(contains(loaded.out, "0.750000")) << loaded.out;
+  folder.write("plate.toml", "name = \"plate\"\n[body]\ninertia = [1, 0.5, 1.5]\n" + spheres);
+  const Outcome plate = cairn(folder, {"shape", "show", "plate.toml"});
+  ASSERT_TRUE(succeeded(plate));
+  EXPECT_TRUE(contains(plate.out, "moments: the file's own, of a lamina")) << plate.out;
+  folder.write("no.toml", "name = \"no\"\n[body]\ninertia = [1, 0.5, 2]\n" + spheres);
+  EXPECT_TRUE(refused(cairn(folder, {"shape", "show", "no.toml"}),
+                      {"no.toml:3:11: key 'inertia': expected no principal moment"}));
+
+  // A body of a given mass.
+  folder.write(
+      "scene.toml",
+      "[[body]]\nshape = \"loaded.toml\"\nmass = 12.5\n[contact]\nstiffness = 1\n[gravity]\nmethod = "
+      "\"none\"\n[[stage]]\nname = \"s\"\nduration = 1\n");
+  EXPECT_TRUE(contains(cairn(folder, {"check", "scene.toml"}).out, "12.5 kg"));
+}
+
 TEST(ShapeCommand, AMeshBecomesAShapeInAScene) {
   const Folder folder;
   folder.write("meshes/block.obj", block(kFacets));

@@ -42,6 +42,7 @@ name = "smooth"
 friction = 0
 
 [contact]
+enabled = true
 stiffness = 1e7
 time_step = 0.01
 unsafe_time_step = true
@@ -147,7 +148,7 @@ velocity = [0, 3e4, 0]
 size = [30, 40, 0]
 [[body]]
 shape = "sphere"
-density = 2500
+mass = 12.5
 [gravity]
 method = "none"
 [[stage]]
@@ -201,6 +202,7 @@ method = "none"
 [[stage]]
 name = "pass"
 duration = 10000
+contacts = false
 )";
 
 // A recipe for a pile: a lattice in a cloud, shaken, carved, scaled and settled.

@@ -111,18 +111,23 @@ TEST(SceneErrors, OutOfBounds) {
 }
 
 TEST(SceneErrors, MissingKeysNameTheirTable) {
-  expect_errors(kGood, {{"\n[[material]]\nfriction = 1",
-                         "s.toml:8:1: key 'material[0].name': missing key; table 'material[0]' that starts "
-                         "on line 8 requires it (string)"},
-                        {"[[body]]\nshape = 'x'",
-                         "s.toml:7:1: key 'body[1].density': missing key; table 'body[1]' that starts on "
-                         "line 7 requires it (number in kg/m^3)"},
-                        {"[[cloud]]\ncount = 1\nsize = 1\ndensity = 1\nshape = []",
-                         "s.toml:7:1: key 'cloud[0].shape': missing key; table 'cloud[0]' that starts on "
-                         "line 7 requires it (at least one [[...]] table)"},
-                        {"[stage.spin]",
-                         "s.toml:7:1: key 'stage[0].spin.path': missing key; table 'stage[0].spin' that "
-                         "starts on line 7 requires it ([[a, b], ...] in s)"}});
+  expect_errors(
+      kGood,
+      {{"\n[[material]]\nfriction = 1",
+        "s.toml:8:1: key 'material[0].name': missing key; table 'material[0]' that starts "
+        "on line 8 requires it (string)"},
+       {"[[lattice]]\nsize = 1\nregion = { kind = 'ball', radius = 1 }",
+        "s.toml:7:1: key 'lattice[0].density': missing key; table 'lattice[0]' that starts on "
+        "line 7 requires it (number in kg/m^3)"},
+       {"[[body]]\nshape = 'x'", "s.toml:7:1: key 'body[1]': expected one of the keys 'density' or 'mass'"},
+       {"[[body]]\nshape = 'x'\ndensity = 1\nmass = 2",
+        "s.toml:10:8: key 'body[1].mass': expected only one of 'density' or 'mass'"},
+       {"[[cloud]]\ncount = 1\nsize = 1\ndensity = 1\nshape = []",
+        "s.toml:7:1: key 'cloud[0].shape': missing key; table 'cloud[0]' that starts on "
+        "line 7 requires it (at least one [[...]] table)"},
+       {"[stage.spin]",
+        "s.toml:7:1: key 'stage[0].spin.path': missing key; table 'stage[0].spin' that "
+        "starts on line 7 requires it ([[a, b], ...] in s)"}});
   EXPECT_EQ(error_of(""),
             "s.toml:1:1: key 'stage': missing key; the file requires it (at least one "
             "[[...]] table)");
@@ -441,6 +446,33 @@ TEST(SceneErrors, WhatAPeriodicBoxCannotHave) {
   EXPECT_EQ(error_of(box + "[[wall]]\nkind = 'plane'\nnormal = [1, 0, 0]"),
             "s.toml:13:10: key 'wall[0].normal': expected 0 along the periodic directions of the box");
   EXPECT_EQ(error_of(box + "[[wall]]\nkind = 'plane'\nnormal = [0, 1, 0]"), "no error");
+}
+
+TEST(SceneErrors, KeysThatOnlyContactsGiveAMeaning) {
+  const std::string none = kGood + "[contact]\nenabled = false\n";  // lines 7 and 8
+  expect_errors(none,
+                {{"stiffness = 1",
+                  "s.toml:9:13: key 'contact.stiffness': has no effect, because no stage has contacts"},
+                 {"overlap_limit = 0.2",
+                  "s.toml:9:17: key 'contact.overlap_limit': has no effect, because no stage has contacts"},
+                 {"[[wall]]\nkind = 'plane'",
+                  "s.toml:9:1: key 'wall[0]': has no effect, because no stage has contacts"}});
+  EXPECT_NO_THROW(parse_scene(none + "time_step = 3\n", "s.toml", "."));
+  EXPECT_NO_THROW(parse_scene(none + "stiffness = 1\n[[stage]]\nname = 'b'\nduration = 1\ncontacts = true\n",
+                              "s.toml", "."));
+  const std::string stage = kGood + "[[stage]]\nname = 'b'\nduration = 1\ncontacts = false\n";  // to line 10
+  expect_errors(
+      stage,
+      {{"stiffness = 1", "s.toml:11:13: key 'stage[1].stiffness': has no effect in a stage without contacts"},
+       {"impact_speed = 1",
+        "s.toml:11:16: key 'stage[1].impact_speed': has no effect in a stage without contacts"},
+       {"[[wall]]\nkind = 'plane'\nstages = ['b']",
+        "s.toml:13:10: key 'wall[0].stages': has no effect in stage 'b', which has no contacts"},
+       {"[[stage]]\nname = 'c'\ncontacts = true\nscale = { density = 1, volume = 1 }",
+        "s.toml:13:12: key 'stage[2].contacts': has no effect in a stage that carves, scales or assigns"}});
+  const Scene scene = parse_scene(stage + "[[wall]]\nkind = 'plane'\n", "s.toml", ".");
+  EXPECT_TRUE(contacts_of(scene, 0) && has_wall(scene, 0, 0));
+  EXPECT_FALSE(contacts_of(scene, 1) || has_wall(scene, 1, 0));
 }
 
 }  // namespace

@@ -123,7 +123,7 @@ TEST_F(LibraryTest, MessagesNameLineColumnAndKey) {
   EXPECT_EQ(message("descripton = \"x\"\n" + kGood),
             ":1:1: key 'descripton': unknown, did you mean 'description'?");
   EXPECT_EQ(message("name = \"a\"\nzzzzzzzzz = 1\n"),
-            ":2:1: key 'zzzzzzzzz': unknown, expected name, description, mesh, error, fit, sphere");
+            ":2:1: key 'zzzzzzzzz': unknown, expected name, description, body, mesh, error, fit, sphere");
   EXPECT_EQ(message("name = 3\n"), ":1:8: key 'name': expected one line of text in quotes");
   EXPECT_EQ(message("name = \"\"\n"), ":1:8: key 'name': expected a name, found an empty string");
   EXPECT_EQ(message("name = \"a\"\n"), ":1:1: key 'sphere': missing, expected at least one [[sphere]] table");
@@ -147,6 +147,53 @@ TEST_F(LibraryTest, RejectsBadNumbers) {
     EXPECT_TRUE(sphere(center, "1").starts_with(":3:10: key 'center': expected three numbers")) << center;
   for (const char* center : {"[nan, 0, 0]", "[inf, 0, 0]", "[-1e7, 0, 0]", "[\"0\", 0, 0]"})
     EXPECT_TRUE(sphere(center, "1").starts_with(":3:11: key 'center': expected three numbers")) << center;
+}
+
+TEST_F(LibraryTest, MassesOfTheShapesOwnAreReadAndRefused) {
+  const std::string second = "[[sphere]]\ncenter = [1, 0, 0]\nradius = 1\n", body = "[body]\n";
+  EXPECT_EQ(message(kGood + "mass = 2\n" + second + "mass = 1e-3\n" + body + "inertia = [1, 1, 2]\n"),
+            "accepted");
+  const Shape shape = load_shape("bad.toml", directory_);
+  EXPECT_EQ(shape.own.of_spheres, (std::vector{2.0, 1e-3}));
+  EXPECT_EQ(shape.own.inertia, Mat3(Vec3(1, 1, 2).asDiagonal()));
+  EXPECT_FALSE(shape.own.center);
+  EXPECT_TRUE(message(kGood + second + "mass = 1\n")
+                  .starts_with(":8:8: key 'mass': expected masses of all spheres or of none"));
+  EXPECT_TRUE(
+      message(kGood + "mass = 1\n" + second).starts_with(":6:1: key 'mass': missing, expected a number"));
+  for (const char* mass : {"0", "-1", "nan", "inf", "true", "\"1\"", "1e31"})
+    EXPECT_TRUE(message(kGood + "mass = " + mass + "\n").starts_with(":5:8: key 'mass': expected a number"))
+        << mass;
+  EXPECT_TRUE(message(kGood + body + "inertias = 1\n")
+                  .starts_with(":6:1: key 'inertias': unknown, did you mean 'inertia'?"));
+  for (const char* inertia : {"1", "[1, 1]", "[1, 1, 1, 0]", "[1, 1, 1, 0, 0, nan]", "['a', 1, 1]"})
+    EXPECT_NE(message(kGood + body + "inertia = " + inertia + "\n").find("key 'inertia': expected"),
+              std::string::npos)
+        << inertia;
+  EXPECT_TRUE(message(kGood + body + "inertia = [1, 2, 4]\n")
+                  .starts_with(":6:11: key 'inertia': expected no principal moment above the sum"));
+  EXPECT_TRUE(message(kGood + body + "inertia = [2, 2, 2, 0.5, 0.5, 0.5]\n") == "accepted");
+  EXPECT_TRUE(message(kGood + body + "inertia = [2, 2, 2, 2, 0, 0]\n")
+                  .starts_with(":6:11: key 'inertia': expected principal moments above 0"));
+  EXPECT_TRUE(message(kGood + body + "center_of_mass = [0, 0, 0]\n")
+                  .starts_with(":6:18: key 'center_of_mass': expected an inertia about it"));
+  EXPECT_TRUE(
+      message(kGood + "mass = 1\n" + body + "center_of_mass = [0, 0, 0]\n")
+          .starts_with(":7:18: key 'center_of_mass': expected that of the spheres' masses, [0, 0.5, 0]"));
+}
+
+TEST_F(LibraryTest, MassesOfTheShapesOwnAreWritten) {
+  Shape shape{
+      .name = "grain", .description = "", .centers = {Vec3::Zero(), Vec3::UnitX()}, .radii = {1.0, 0.3}};
+  shape.own.of_spheres = {1.0, 1.0 / 3.0};
+  save_shape(shape, directory_ / "grain.toml");
+  EXPECT_EQ(load_shape("grain.toml", directory_).own.of_spheres, shape.own.of_spheres);
+  shape.own.center = Vec3(0.25, 0.0, 0.0);
+  shape.own.inertia = (Mat3() << 1.0, 0.1, 0.0, 0.1, 1.0 / 3.0, -0.2, 0.0, -0.2, 0.9).finished();
+  save_shape(shape, directory_ / "grain.toml");
+  const Shape back = load_shape("grain.toml", directory_);
+  EXPECT_EQ(back.own.center, shape.own.center);
+  EXPECT_EQ(back.own.inertia, shape.own.inertia);
 }
 
 TEST_F(LibraryTest, RejectsWhatIsNotToml) {

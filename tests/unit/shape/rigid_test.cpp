@@ -121,6 +121,86 @@ TEST(MakeRigid, RejectsUnusableShapes) {
                InputError);
 }
 
+TEST(MakeRigid, MassesOfSpheresAreTheBodys) {
+  for (const MassModel model : {MassModel::spheres, MassModel::union_volume}) {
+    Shape shape{"", "", {{0, 0, 0}, {1.5, 0, 0}}, {1.0, 0.5}};
+    shape.own.of_spheres = {2.0, 6.0};
+    const RigidShape rigid = make_rigid(shape, model);
+    expect_balanced(rigid);
+    EXPECT_EQ(rigid.volume, (model == MassModel::spheres ? sum_of_spheres : union_of_spheres)(shape).volume);
+    EXPECT_EQ(rigid.center, Vec3(1.125, 0.0, 0.0));
+    EXPECT_EQ(rigid.mass_fractions, (std::vector{0.25, 0.75}));
+    const double axial = 0.4 * (0.25 + 0.75 * 0.25), spread = 1.5 * 1.5 * 0.25 * 0.75;
+    EXPECT_LT((rigid.inertia - Vec3(axial, axial + spread, axial + spread)).norm(), 1e-15);
+    EXPECT_LT(rigid.moment_error, 1e-15);
+  }
+  // Masses can balance where none in proportion to volume would: the centre is theirs.
+  Shape hidden{"hidden", "", {{0, 0, 0}, {0.3, 0, 0}}, {1.0, 0.5}};
+  hidden.own.of_spheres = {1.0, 2.0};
+  expect_balanced(make_rigid(hidden, MassModel::union_volume));
+}
+
+TEST(MakeRigid, OwnInertiaTurnsToItsPrincipalAxes) {
+  Shape shape = load_shape("tetrahedron");
+  const Mat3 turn = Quat(0.7, 0.1, -0.5, 0.4).normalized().toRotationMatrix();
+  const Vec3 moments(0.5, 1.25, 1.75);  // of a lamina
+  shape.own.inertia = turn * moments.asDiagonal() * turn.transpose();
+  shape.own.center = Vec3(0.1, -0.05, 0.2);
+  const RigidShape rigid = make_rigid(shape, MassModel::union_volume);
+  expect_balanced(rigid);
+  EXPECT_EQ(rigid.center, *shape.own.center);
+  EXPECT_LT((rigid.inertia - moments).norm(), 1e-14);
+  const Mat3 axes = rigid.axes.toRotationMatrix();
+  EXPECT_LT((axes * moments.asDiagonal() * axes.transpose() - *shape.own.inertia).norm(), 1e-14);
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_LT((rigid.center + axes * rigid.offsets[i] - shape.centers[i]).norm(), 1e-14);
+  EXPECT_GT(rigid.moment_error, 0.01);  // the balls are no lamina, and that is told
+  // A hollow sphere stays a ball, a flattened one does not.
+  Shape ball{"ball", "", {Vec3::Zero()}, {2.0}};
+  ball.own.inertia = 8.0 / 3.0 * Mat3::Identity();
+  EXPECT_EQ(make_rigid(ball, MassModel::spheres).inertia, Vec3::Constant(8.0 / 3.0));
+  ball.own.inertia = Vec3(2.0, 2.0, 3.0).asDiagonal();
+  EXPECT_EQ(make_rigid(ball, MassModel::spheres).inertia, Vec3(2.0, 2.0, 3.0));
+}
+
+TEST(MakeRigid, RejectsMassesOfNoBody) {
+  const auto refuse = [](const auto& change, const std::string& words) {
+    Shape shape{"pair", "", {{-1, 0, 0}, {1, 0, 0}}, {1.0, 1.0}};
+    change(shape.own);
+    try {
+      make_rigid(shape, MassModel::spheres);
+      ADD_FAILURE() << words;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("shape 'pair': " + words), std::string::npos) << error.what();
+    }
+  };
+  refuse([](OwnMass& own) { own.of_spheres = {1.0}; }, "mass: expected a mass above 0 of every sphere");
+  refuse([](OwnMass& own) { own.of_spheres = {1.0, 0.0}; }, "mass: expected a mass above 0");
+  refuse([](OwnMass& own) { own.of_spheres = {1.0, std::nan("")}; }, "mass: expected a mass above 0");
+  refuse([](OwnMass& own) { own.center = Vec3::Zero(); }, "center_of_mass: expected an inertia about it");
+  refuse(
+      [](OwnMass& own) {
+        own.of_spheres = {1.0, 3.0};
+        own.center = Vec3::Zero();
+      },
+      "center_of_mass: expected that of the spheres' masses, [0.5, 0, 0]");
+  const auto refuse_inertia = [&](const Vec3& moments, const std::string& words) {
+    refuse([&](OwnMass& own) { own.inertia = moments.asDiagonal(); }, "inertia: " + words);
+  };
+  refuse_inertia({1.0, 1.0, 2.0 + 1e-5}, "expected no principal moment above the sum of the two others");
+  refuse_inertia({0.0, 1.0, 1.0}, "expected principal moments above 0");
+  refuse_inertia({-1.0, 1.0, 1.0}, "expected principal moments above 0");
+  refuse_inertia({0.0, 0.0, 0.0}, "expected principal moments above 0");
+  refuse_inertia({1.0, 1.0, std::nan("")}, "expected principal moments above 0");
+  // A centre that no positive masses at the spheres have.
+  refuse(
+      [&](OwnMass& own) {
+        own.inertia = Mat3::Identity();
+        own.center = Vec3(0.0, 0.5, 0.0);
+      },
+      "no positive masses");
+}
+
 // Four masses are fixed by the four conditions.
 TEST(GravityMasses, FourSpheresHaveOneSolution) {
   int balanced = 0, impossible = 0;

@@ -81,6 +81,39 @@ TEST(Stages, AFloorThatIsNoLongerThereLetsTheBallFall) {
   }
 }
 
+TEST(Stages, WithoutContactsBodiesPassThroughEachOtherAndWalls) {
+  const Folder folder;
+  cairn::Setup setup = balls({{0.0, 0.0, 0.0}, {10.0, 0.0, 0.0}});
+  setup.bodies.velocity[0] = {10.0, 0.0, 0.0};
+  run(R"(
+[[body]]
+shape = "sphere"
+density = 2000
+[[wall]]
+kind = "plane"
+point = [15, 0, 0]
+normal = [-1, 0, 0]
+[gravity]
+method = "none"
+[contact]
+stiffness = 1e8
+[[stage]]
+name = "near"
+duration = 1e-3
+[[stage]]
+name = "pass"
+duration = 2
+contacts = false
+)",
+      std::move(setup), folder / "run.h5");
+  const ResultFile file = ResultFile::open(folder / "run.h5");
+  std::vector<Vec3> x;
+  file.read_snapshot(file.snapshots().size() - 1, {{"position", "", "", &x, "body"}});
+  EXPECT_NEAR(x[0].x(), 20.01, 1e-9);
+  EXPECT_EQ(x[1], Vec3(10.0, 0.0, 0.0));
+  for (const double contacts : file.read_series("contacts")) EXPECT_EQ(contacts, 0.0);
+}
+
 TEST(Stages, AWallOfSomeStagesMovesFromTheStartOfTheFirst) {
   const Scene scene = parse_scene(R"(
 [[body]]
