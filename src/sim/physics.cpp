@@ -150,7 +150,7 @@ bool can_touch(const Scene& scene, std::size_t index, const Bodies& bodies) {
   if (!contacts_of(scene, index)) return false;
   for (std::size_t w = 0; w < scene.walls.size(); ++w)
     if (has_wall(scene, index, w)) return true;
-  return bodies.size() > 1;
+  return bodies.size() > 1 || scene.box;
 }
 
 double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies,

@@ -45,7 +45,7 @@ struct Physics {
   double snapshot_interval = 0.0;                   ///< s; 0: only at the end of the stage
 };
 
-/// Whether anything can touch in stage `index`: it has contacts, and two bodies or a wall.
+/// Whether anything can touch in stage `index`: it has contacts, and two bodies, a wall or images in a box.
 bool can_touch(const Scene& scene, std::size_t index, const Bodies& bodies);
 
 /// Normal stiffness (N/m) of stage `index` with its walls: given by the scene, or chosen for the bodies as

@@ -48,7 +48,7 @@ TEST(ExtendScene, PutsTheExtensionIntoTheLastStageAndChangesItThere) {
   }
   const std::string row = "stage = [{ name = 'a', duration = 1 }, { name = 'é', duration = 2 }]\n";
   EXPECT_EQ(extend_last_stage(row + kBody, 3.0),
-            "stage = [{ name = 'a', duration = 1 }, { name = 'é', extension = 3.0, duration = 2 }]\n" +
+            "stage = [{ name = 'a', duration = 1 }, { name = 'é', extension = 3, duration = 2 }]\n" +
                 std::string(kBody));
 }
 

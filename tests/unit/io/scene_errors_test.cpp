@@ -47,7 +47,7 @@ TEST(SceneErrors, UnknownKeys) {
        {"[stage.spin]\npath = [[0, 1]]\ninclude_shde = true",
         "s.toml:9:1: key 'stage[0].spin.include_shde': unknown key; did you mean 'include_shed'?"},
        {"[contact]\n  \"a\\nb\\u202E\" = 1\n[gravity]\nx = 1",
-        "s.toml:8:3: key 'contact.a\\nb\\u202E': unknown key; expected 'stiffness', 'time_step', "
+        "s.toml:8:3: key 'contact.a\\nb\\u202E': unknown key; expected 'enabled', 'stiffness', 'time_step', "
         "'unsafe_time_step', 'steps_per_contact', 'max_overlap', 'overlap_limit', 'damping_mass' or "
         "'rolling_slip'"}});
 }

@@ -229,7 +229,7 @@ TEST(Scene, LaterErrorsCanNameTheLine) {
   const Scene scene = parse(kPileScene);
   EXPECT_STREQ(scene.sources.error("cloud[0].shape[1].shape", "no such shape").what(),
                "scene.toml:22:11: key 'cloud[0].shape[1].shape': no such shape");
-  EXPECT_EQ(scene.sources.find("stage[1].stiffness").line, 63u)
+  EXPECT_EQ(scene.sources.find("stage[1].stiffness").line, 64u)
       << "an absent key stands where its table does";
 }
 

@@ -200,18 +200,5 @@ TEST_F(PileFile, MovingWallsGoOnMoving) {
   }
 }
 
-TEST_F(PileFile, AWallThatStopsKeepsItsSprings) {
-  const std::string level = replaced(kRest, "[0.2, 0.05, -0.95]", "[0, 0, -1]");
-  run(kBodies + std::string("[[wall]]\nkind = 'plane'\nmaterial = 'rock'\nvelocity = [0.1, 0, 0.2]\n") +
-          level + kFirst,
-      "first.h5");
-  const cairn::Setup setup =
-      run(pile("[[wall]]\nkind = 'plane'\nmaterial = 'rock'\npoint = [0, 0, 4e-3]\n" + level + kSecond),
-          "second.h5");
-  EXPECT_GE(setup.wall_contacts.size(), 3u);
-  EXPECT_TRUE(setup.warnings.empty());
-  expect_springs_kept(0.02);  // it stops at once: dashpots feel that
-}
-
 }  // namespace
 }  // namespace cairn

@@ -186,11 +186,11 @@ TEST_F(LibraryTest, MassesOfTheShapesOwnAreWritten) {
   Shape shape{
       .name = "grain", .description = "", .centers = {Vec3::Zero(), Vec3::UnitX()}, .radii = {1.0, 0.3}};
   shape.own.of_spheres = {1.0, 1.0 / 3.0};
-  save_shape(shape, directory_ / "grain.toml");
+  save_shape(shape, directory_ / "grain.toml", false);
   EXPECT_EQ(load_shape("grain.toml", directory_).own.of_spheres, shape.own.of_spheres);
   shape.own.center = Vec3(0.25, 0.0, 0.0);
   shape.own.inertia = (Mat3() << 1.0, 0.1, 0.0, 0.1, 1.0 / 3.0, -0.2, 0.0, -0.2, 0.9).finished();
-  save_shape(shape, directory_ / "grain.toml");
+  save_shape(shape, directory_ / "grain.toml", true);
   const Shape back = load_shape("grain.toml", directory_);
   EXPECT_EQ(back.own.center, shape.own.center);
   EXPECT_EQ(back.own.inertia, shape.own.inertia);
