@@ -54,7 +54,7 @@ material = "sticky"
 name = "spin-up"
 duration = 3000
 [stage.spin]
-path = [[0, 12000], [3000, 6000]]
+path = [[0, 14000], [3000, 10000]]
 
 [output]
 snapshot_interval = 170
