@@ -93,6 +93,10 @@ class ContactList {
     if (!shifted()) return Vec3::Zero();
     return lattice.cwiseProduct(Vec3(shift[slot][0], shift[slot][1], shift[slot][2]));
   }
+  /// Vector from sphere i to j of a slot (m).
+  Vec3 separation(const Spheres& spheres, std::size_t slot) const {
+    return spheres.position[pairs_[slot].j] - spheres.position[pairs_[slot].i] + shift_of(slot);
+  }
 
   /// Spheres of a block, nearly: independent of threads and of the candidates. Where both spheres of a pair
   /// are in one block, their wrenches are summed there. Large blocks, because what leaves them goes through

@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "contact/batch.h"
+#include "contact/dashpots.h"
 #include "contact/law/law.h"
 #include "contact/law/partial.h"
 #include "core/memory.h"
@@ -14,23 +15,11 @@ namespace cairn {
 
 namespace {
 
-const PairLaw& law_of(const Bodies& bodies, const SweepSettings& settings, const Pair& pair) {
-  const std::uint16_t a = settings.material[bodies.spheres.body[pair.i]];
-  const std::uint16_t b = settings.material[bodies.spheres.body[pair.j]];
-  return settings.laws[a * settings.materials + b];
-}
-
-/// Vector from sphere i to j of a slot (m).
-Vec3 separation(const Spheres& spheres, const ContactList& contacts, std::size_t slot) {
-  const Pair& p = contacts.pair(slot);
-  return spheres.position[p.j] - spheres.position[p.i] + contacts.shift_of(slot);
-}
-
 LawConstants<Batch> gather_laws(const Bodies& bodies, const SweepSettings& settings,
                                 const ContactList& contacts, const Slots& slot) {
   LawConstants<Batch> out;
   for (std::size_t l = 0; l < kLanes; ++l) {
-    const PairLaw& law = law_of(bodies, settings, contacts.pair(slot[l]));
+    const PairLaw& law = settings.law(bodies, contacts.pair(slot[l]));
     out.k_n.v[l] = law.k_n;
     out.k_s.v[l] = law.k_s;
     out.friction.v[l] = law.friction;
@@ -42,22 +31,10 @@ LawConstants<Batch> gather_laws(const Bodies& bodies, const SweepSettings& setti
   return out;
 }
 
-void add_first_touches(const ContactList& contacts, const Slots& slot, Mask fresh, const WrenchBatch& wrench,
-                       const ContactGeometry<Batch>& geometry, Batch age, Batch k_n, double dt,
-                       std::vector<PartialKick>& kicks) {
-  const FirstTouch<Batch> due = first_touch(k_n, geometry.overlap, age, Batch(dt));
-  for (std::size_t l = 0; l < kLanes; ++l) {
-    const bool spare = l > 0 && slot[l] == slot[l - 1];
-    if (!fresh.v[l] || spare) continue;
-    PartialKick kick{contacts.pair(slot[l]), wrench.of(l)};
-    const double n[3] = {geometry.n.x[l], geometry.n.y[l], geometry.n.z[l]};
-    for (int c = 0; c < 3; ++c) {
-      kick.impulse.force[c] = due.wrench[l] * kick.impulse.force[c] + due.normal[l] * n[c];
-      kick.impulse.torque_i[c] *= due.wrench[l];
-      kick.impulse.torque_j[c] *= due.wrench[l];
-    }
-    kicks.push_back(kick);
-  }
+CAIRN_INLINE WrenchBatch wrench_of(const ContactAction<Batch>& action, const Triple<Batch>& n, Batch arm_i,
+                                   Batch arm_j) {
+  const Triple<Batch> moment = cross(n, action.force);
+  return {action.force, fma(arm_i, moment, action.couple), fma(-arm_j, moment, action.couple)};
 }
 
 /// Takes j where i sees it: in another cell, or as an image that moves with the box.
@@ -233,10 +210,11 @@ class Block {
     ContactMemory<Batch> memory;
     memory.c_n = gather(contacts_.c_n, slot);
     const Mask fresh = (memory.c_n < Batch(0.0)) & !parted;
+    Batch mass = 0.0;  // effective, of those that begin
     if constexpr (changes) {
       for (std::size_t l = 0; l < used; ++l) {
         if (parted.v[l]) part(slot[l], {d.x[l], d.y[l], d.z[l]}, sum[l]);
-        if (fresh.v[l]) set_damping(bodies_, settings_, contacts_, slot[l]);
+        if (fresh.v[l]) mass.v[l] = set_damping(bodies_, settings_, contacts_, slot[l]);
       }
       memory.c_n = gather(contacts_.c_n, slot);
     } else if (any(parted | fresh)) {
@@ -275,9 +253,7 @@ class Block {
         settings_.materials == 1 ? single_ : gather_laws(bodies_, settings_, contacts_, slot);
     const ContactAction<Batch> action = evaluate<F>(law, geometry, motion, memory);
     store_springs<F>(contacts_, slot, memory);
-    const Triple<Batch> moment = cross(geometry.n, action.force);
-    const WrenchBatch wrench{action.force, fma(arm_i, moment, action.couple),
-                             fma(-arm_j, moment, action.couple)};
+    const WrenchBatch wrench = wrench_of(action, geometry.n, arm_i, arm_j);
     const Batch smaller = min(a.radius, b.radius);
     if (any(geometry.overlap > overlap_ratio_ * smaller))
       overlap_ratio_ = max(overlap_ratio_, geometry.overlap / smaller);
@@ -287,8 +263,7 @@ class Block {
       return;
     }
     add_wrenches(slot, index_i, wrench, parted, used);
-    if (settings_.dt > 0.0 && any(fresh))
-      add_first_touches(contacts_, slot, fresh, wrench, geometry, motion.dt, law.k_n, settings_.dt, kicks_);
+    if (any(fresh)) begin(slot, used, fresh, mass, law, geometry, motion, memory, action, arm_i, arm_j);
     for (std::size_t l = 0; l < used; ++l) {
       if (parted.v[l])
         contacts_.release(slot[l]);
@@ -328,21 +303,68 @@ class Block {
     return found != 0;
   }
 
+  /// What contacts that have begun within the step give beyond the closing half kick of `end`.
+  [[gnu::noinline]] void begin(const Slots& slot, std::size_t used, Mask fresh, Batch mass,
+                               const LawConstants<Batch>& law, const ContactGeometry<Batch>& geometry,
+                               const ContactMotion<Batch>& motion, const ContactMemory<Batch>& memory,
+                               const ContactAction<Batch>& end, Batch arm_i, Batch arm_j) {
+    const Batch dt(settings_.dt), speed = -dot(motion.u, geometry.n), force = dot(end.force, geometry.n);
+    const Mask within = fresh & (motion.dt < dt);
+    const Batch pull = cairn::pull<F>(law, geometry.radius);
+    Batch normal(0.0);
+    for (std::size_t l = 0; l < used; ++l)
+      if (within.v[l]) {
+        const PartialStep step{law.k_n[l], memory.c_n[l], pull[l], mass[l], settings_.dt};
+        normal.v[l] = first_impulse(step, geometry.overlap[l], speed[l], force[l]);
+      }
+    const ContactAction<Batch> due = first_touch<F>(law, geometry, motion, memory, end, normal, dt);
+    const WrenchBatch impulse = wrench_of(due, geometry.n, arm_i, arm_j);
+    for (std::size_t l = 0; l < used; ++l)
+      if (within.v[l]) kicks_.push_back({contacts_.pair(slot[l]), impulse.of(l)});
+  }
+
   /// Ends the contact of two spheres whose centres are now `d` apart: what its springs hold is lost.
   [[gnu::noinline]] void part(std::uint32_t slot, const Vec3& d, double radii) {
     const Pair& pair = contacts_.pair(slot);
     const SphereMotion &a = motions_[pair.i], &b = motions_[pair.j];
-    const LawConstants<double> law(law_of(bodies_, settings_, pair));
-    const double distance = d.norm(), radius = a.radius * b.radius / radii;
-    const Vec3 n = d / distance;
     const Vec3 flow = contacts_.lattice_rate.cwiseProduct(contacts_.shift_of(slot));
-    const double u_n = (vector(b.velocity_mid) - vector(a.velocity_mid) + flow).dot(n);
-    const Parting end = parting<F>(law, contacts_.c_n[slot], radius, distance - radii, u_n, settings_.dt);
-    PartialKick kick{pair, {}};
-    Eigen::Map<Vec3>(kick.impulse.force) = end.normal * n;
-    kicks_.push_back(kick);
-    released_ += end.dissipated + stored_energy<F>(law, 0.0, radius, contacts_.memory(slot));
+    const Vec3 u_mid = vector(b.velocity_mid) - vector(a.velocity_mid) + flow,
+               u_end = vector(b.velocity) - vector(a.velocity) + flow;
+    const LawConstants<double> law(settings_.law(bodies_, pair));
+    const ContactMemory<double> memory = contacts_.memory(slot);
     contacts_.release(slot);
+    const Vec3 d_start = d - settings_.dt * u_mid, n_start = d_start.normalized(), n = d.normalized();
+    const double distance = d.norm(), overlap = radii - d_start.norm(), gap = distance - radii;
+    const double radius = a.radius * b.radius / radii;
+    if (!(overlap > 0.0)) {  // no parting within the step
+      released_ += stored_energy<F>(law, 0.0, radius, memory);
+      return;
+    }
+    const double arm_i = 0.5 * (distance + (a.radius - b.radius) * radii / distance),
+                 arm_j = distance - arm_i;
+
+    ContactGeometry<double> start;
+    start.n = start.n_mid = triple(n);
+    start.overlap = overlap;
+    start.radius = radius;
+    start.slip_lever = 0.5 * (arm_j - arm_i) / (arm_i * arm_j);
+    ContactMotion<double> motion;
+    motion.u = motion.u_mid =
+        triple(u_mid - (arm_i * vector(a.spin_mid) + arm_j * vector(b.spin_mid)).cross(n));
+    motion.w = motion.w_mid = triple(vector(b.spin_mid) - vector(a.spin_mid));
+    motion.turn = {};
+    motion.dt = overlap / (overlap + gap) * settings_.dt;
+    const double mass = effective_mass(bodies_, contacts_, slot).normal;
+    const PartialStep step{law.k_n, memory.c_n, pull<F>(law, radius), mass, settings_.dt};
+    const PartingSpeeds speeds{(2.0 * u_mid - u_end).dot(n_start), u_mid.dot(n_start), u_mid.dot(n)};
+    const ContactAction<double> due = parting<F>(law, start, motion, speeds, step, memory);
+    const Vec3 force = vector(due.force), couple = vector(due.couple), moment = n.cross(force);
+    PartialKick kick{pair, {}};
+    Eigen::Map<Vec3>(kick.impulse.force) = force;
+    Eigen::Map<Vec3>(kick.impulse.torque_i) = arm_i * moment + couple;
+    Eigen::Map<Vec3>(kick.impulse.torque_j) = arm_j * moment - couple;
+    kicks_.push_back(kick);
+    released_ += due.dissipated;
   }
 
   const Bodies& bodies_;
@@ -357,37 +379,7 @@ class Block {
   double released_ = 0.0;
 };
 
-Inertia inertia_of(const Bodies& bodies, std::size_t b) {
-  return {1.0 / bodies.mass[b], inverse_inertia(bodies, b)};
-}
-
 }  // namespace
-
-void set_damping(const Bodies& bodies, const SweepSettings& settings, ContactList& contacts,
-                 std::size_t slot) {
-  const Spheres& spheres = bodies.spheres;
-  const Pair& pair = contacts.pair(slot);
-  const PairLaw& law = law_of(bodies, settings, pair);
-  EffectiveMass mu;
-  if (settings.sphere_damping) {
-    const double mi = spheres.mass[pair.i], mj = spheres.mass[pair.j];
-    mu.normal = mi * mj / (mi + mj);
-    mu.tangential = kTangentialRatio * mu.normal;
-  } else {
-    const std::uint32_t bi = spheres.body[pair.i], bj = spheres.body[pair.j];
-    const Vec3 d = separation(spheres, contacts, slot);
-    const double distance = d.norm();
-    const Vec3 n = d / distance;
-    const double ri = spheres.radius[pair.i], rj = spheres.radius[pair.j];
-    const double lever = 0.5 * (distance + (ri - rj) * (ri + rj) / distance);
-    const Vec3 arm_i = spheres.position[pair.i] - bodies.position[bi] + lever * n;
-    const Vec3 arm_j = spheres.position[pair.j] - bodies.position[bj] - (distance - lever) * n;
-    mu = effective_mass(inertia_of(bodies, bi), arm_i, inertia_of(bodies, bj), arm_j, n);
-  }
-  contacts.c_n[slot] = law.damping_n * std::sqrt(law.k_n * mu.normal);
-  if (settings.features.tangential)
-    contacts.slide[slot].c_s = law.damping_s * std::sqrt(law.k_s * mu.tangential);
-}
 
 SweepReport sweep(const std::vector<SphereMotion>& motions, const SweepSettings& settings,
                   ContactList& contacts, Bodies& bodies, const BodyWork& work) {
@@ -429,7 +421,7 @@ Pair deepest_pair(const Bodies& bodies, const ContactList& contacts) {
   for (std::size_t slot = 0; slot < contacts.slots(); ++slot) {
     const Pair& p = contacts.pair(slot);
     const double ri = spheres.radius[p.i], rj = spheres.radius[p.j];
-    const double overlap = ri + rj - separation(spheres, contacts, slot).norm();
+    const double overlap = ri + rj - contacts.separation(spheres, slot).norm();
     if (overlap > ratio * std::min(ri, rj)) {
       ratio = overlap / std::min(ri, rj);
       deepest = p;
@@ -463,8 +455,8 @@ double stored_energy(const Bodies& bodies, const SweepSettings& settings, const 
         if (!contacts.touching(slot)) continue;
         const Pair& p = contacts.pair(slot);
         const double ri = spheres.radius[p.i], rj = spheres.radius[p.j];
-        const double overlap = ri + rj - separation(spheres, contacts, slot).norm();
-        energy += stored_energy<F>(LawConstants<double>(law_of(bodies, settings, p)), overlap,
+        const double overlap = ri + rj - contacts.separation(spheres, slot).norm();
+        energy += stored_energy<F>(LawConstants<double>(settings.law(bodies, p)), overlap,
                                    ri * rj / (ri + rj), contacts.memory(slot));
       }
       return energy;

@@ -4,21 +4,11 @@
 #include <algorithm>
 #include <vector>
 
+#include "contact/dashpots.h"
 #include "contact/gather.h"
 #include "contact/kinematics.h"
-#include "contact/law/pair.h"
 
 namespace cairn {
-
-/// What the sweep needs beside motions and contacts.
-struct SweepSettings {
-  double dt = 0.0;  ///< s
-  Features features;
-  bool sphere_damping = false;  ///< damping from sphere masses instead of effective masses
-  std::vector<PairLaw> laws;    ///< materials x materials
-  std::size_t materials = 1;
-  std::vector<std::uint16_t> material;  ///< of each body
-};
 
 /// What a sweep reports.
 struct SweepReport {
@@ -40,10 +30,6 @@ SweepReport sweep(const std::vector<SphereMotion>& motions, const SweepSettings&
 
 /// The touching pair with the greatest overlap over its smaller radius; i == j when nothing touches.
 Pair deepest_pair(const Bodies& bodies, const ContactList& contacts);
-
-/// Dashpot constants of a pair from its effective masses at the present poses.
-void set_damping(const Bodies& bodies, const SweepSettings& settings, ContactList& contacts,
-                 std::size_t slot);
 
 /// Gives the bodies the impulses of contacts that began or ended within the step of the last sweep.
 void apply_partial_kicks(const ContactList& contacts, Bodies& bodies);

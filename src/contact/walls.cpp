@@ -51,8 +51,14 @@ WallReport& WallReport::operator+=(const WallReport& other) {
 class Walls::Sweeper {
  public:
   Sweeper(const Walls& walls, const std::vector<SphereMotion>& motions, const SweepSettings& settings,
-          const std::vector<WallPose>& end, const std::vector<WallPose>& middle, Bodies& bodies)
-      : walls_(walls), motions_(motions), settings_(settings), end_(end), middle_(middle), bodies_(bodies) {
+          const std::vector<WallPose>& end, const std::vector<WallPose>& middle, double time, Bodies& bodies)
+      : walls_(walls),
+        motions_(motions),
+        settings_(settings),
+        end_(end),
+        middle_(middle),
+        time_(time),
+        bodies_(bodies) {
     for (std::uint32_t w = 0; w < walls.walls.size(); ++w)
       if (!walls.walls[w].mesh() && walls.walls[w].motion.moves()) moving_.push_back(w);
   }
@@ -164,8 +170,9 @@ class Walls::Sweeper {
   }
 
   /// An impulse on the body of a sphere at a point of a wall.
-  void kick(std::uint32_t s, std::uint32_t wall, const Vec3& c, const Vec3& impulse, const Vec3& couple,
+  void kick(std::uint32_t s, std::uint32_t wall, const Vec3& c, const ContactAction<double>& due,
             Tally& tally) const {
+    const Vec3 impulse = vector(due.force), couple = vector(due.couple);
     const std::uint32_t b = bodies_.spheres.body[s];
     bodies_.velocity[b] += impulse / bodies_.mass[b];
     bodies_.spin[b] += (c - bodies_.position[b]).cross(impulse) + couple;
@@ -179,22 +186,43 @@ class Walls::Sweeper {
   void part(const WallContact& contact, Tally& tally) const {
     const Wall& wall = walls_.walls[contact.wall];
     const WallPose &end = end_[contact.wall], &middle = middle_[contact.wall];
+    const WallPose start = wall.motion.pose(time_ - settings_.dt);
     const std::uint32_t s = contact.sphere;
-    const double radius = motion(s).radius;
-    const Vec3 x = position(s), x_mid = middle_position(s);
-    const WallTouch touch = wall.extend(contact.feature, end.to_wall(x));
-    const WallTouch touch_mid = wall.extend(contact.feature, middle.to_wall(x_mid));
+    const SphereMotion& sphere = motion(s);
+    const Vec3 x = position(s), way = settings_.dt * vector(sphere.velocity_mid);
+    const auto touch_at = [&](const WallPose& pose, const Vec3& at) {
+      return wall.extend(contact.feature, pose.to_wall(at));
+    };
+    const WallTouch touch = touch_at(end, x), touch_mid = touch_at(middle, x - 0.5 * way),
+                    touch_start = touch_at(start, x - way);
     const LawConstants<double> law(walls_.law(bodies_, settings_, contact.wall, s));
-    const double gap = touch.arm - radius;
-    if (gap >= 0.0) {
-      const Vec3 n = end.to_space(touch.n), n_mid = middle.to_space(touch_mid.n);
-      const Vec3 along = middle.velocity_at(x_mid + touch_mid.arm * n_mid) - vector(motion(s).velocity_mid);
-      const Parting parting =
-          cairn::parting<F>(law, contact.memory.c_n, radius, gap, along.dot(n_mid), settings_.dt);
-      kick(s, contact.wall, x + touch.arm * n, parting.normal * n, Vec3::Zero(), tally);
-      tally.report.dissipated += parting.dissipated;
+    const double gap = touch.arm - sphere.radius, overlap = sphere.radius - touch_start.arm;
+    if (gap < 0.0 || overlap <= 0.0) {  // no parting within the step
+      tally.report.dissipated +=
+          cairn::stored_energy<F>(law, std::max(0.0, -gap), sphere.radius, contact.memory);
+      return;
     }
-    tally.report.dissipated += cairn::stored_energy<F>(law, std::max(0.0, -gap), radius, contact.memory);
+    const Vec3 n = end.to_space(touch.n), n_start = start.to_space(touch_start.n);
+    const Vec3 lever_mid = touch_mid.arm * middle.to_space(touch_mid.n), c = x + touch.arm * n;
+    const Vec3 u_mid = middle.velocity_at(x - 0.5 * way + lever_mid) - vector(sphere.velocity_mid),
+               u_end = end.velocity_at(c) - vector(sphere.velocity);
+
+    ContactGeometry<double> geometry;
+    geometry.n = geometry.n_mid = triple(n);
+    geometry.overlap = overlap;
+    geometry.radius = sphere.radius;
+    geometry.slip_lever = 0.5 / touch.arm;
+    ContactMotion<double> motion;
+    motion.u = motion.u_mid = triple(u_mid - vector(sphere.spin_mid).cross(lever_mid));
+    motion.w = motion.w_mid = triple(middle.spin - vector(sphere.spin_mid));
+    motion.turn = {};
+    motion.dt = overlap / (overlap + gap) * settings_.dt;
+    const PartingSpeeds speeds{(2.0 * u_mid - u_end).dot(n_start), u_mid.dot(n_start), u_mid.dot(n)};
+    const double mass = walls_.effective_mass(bodies_, end, touch, s).normal;
+    const PartialStep step{law.k_n, contact.memory.c_n, pull<F>(law, sphere.radius), mass, settings_.dt};
+    const ContactAction<double> due = parting<F>(law, geometry, motion, speeds, step, contact.memory);
+    kick(s, contact.wall, c, due, tally);
+    tally.report.dissipated += due.dissipated;
   }
 
   /// Evaluates the law and adds its wrench.
@@ -206,8 +234,8 @@ class Walls::Sweeper {
     const Wall& wall = walls_.walls[contact.wall];
     const WallPose &end = end_[contact.wall], &middle = middle_[contact.wall];
     const SphereMotion& sphere = motion(s);
-    const PairLaw& law = walls_.law(bodies_, settings_, contact.wall, s);
-    if (!meeting.remembers) walls_.set_damping(bodies_, settings_, end, touch, contact);
+    double mass = 0.0;  // effective, of a contact that begins
+    if (!meeting.remembers) mass = walls_.set_damping(bodies_, settings_, end, touch, contact);
 
     const Vec3 x_mid = middle_position(s);
     const WallTouch touch_mid = wall.extend(touch.feature, middle.to_wall(x_mid));
@@ -230,13 +258,10 @@ class Walls::Sweeper {
     motion.w_mid = triple(middle.spin - vector(sphere.spin_mid));
     motion.turn = triple(0.5 * (vector(sphere.spin_mid) + middle.spin));
     motion.dt = settings_.dt;
-    FirstTouch<double> due{0.0, 0.0};
-    if (!meeting.remembers) {
+    if (!meeting.remembers)
       motion.dt = age(geometry.overlap, dot(motion.u_mid, geometry.n_mid), settings_.dt);
-      due = first_touch(law.k_n, geometry.overlap, motion.dt, settings_.dt);
-    }
-    const ContactAction<double> action =
-        evaluate<F>(LawConstants<double>(law), geometry, motion, contact.memory);
+    const LawConstants<double> law(walls_.law(bodies_, settings_, contact.wall, s));
+    const ContactAction<double> action = evaluate<F>(law, geometry, motion, contact.memory);
 
     const Vec3 force = vector(action.force), couple = vector(action.couple);
     bodies_.force[b] += force;
@@ -250,14 +275,20 @@ class Walls::Sweeper {
                      .overlap_ratio = geometry.overlap / sphere.radius,
                      .sphere = s,
                      .wall = contact.wall};
-    if (!meeting.remembers)
-      kick(s, contact.wall, c, due.wrench * force + due.normal * n, due.wrench * couple, tally);
+    if (motion.dt < settings_.dt) {  // it has begun within the step
+      const PartialStep step{law.k_n, contact.memory.c_n, pull<F>(law, sphere.radius), mass, settings_.dt};
+      const double normal =
+          first_impulse(step, geometry.overlap, -dot(motion.u, geometry.n), dot(action.force, geometry.n));
+      kick(s, contact.wall, c,
+           first_touch<F>(law, geometry, motion, contact.memory, action, normal, settings_.dt), tally);
+    }
   }
 
   const Walls& walls_;
   const std::vector<SphereMotion>& motions_;
   const SweepSettings& settings_;
   const std::vector<WallPose>&end_, &middle_;  // of the step
+  const double time_;                          // s, at its end
   Bodies& bodies_;
   std::vector<std::uint32_t> moving_;  // smooth walls
 };
@@ -276,19 +307,27 @@ std::vector<WallPose> Walls::poses(double time) const {
   return out;
 }
 
-void Walls::set_damping(const Bodies& bodies, const SweepSettings& settings, const WallPose& pose,
-                        const WallTouch& touch, WallContact& contact) const {
-  const Spheres& spheres = bodies.spheres;
-  const std::uint32_t s = contact.sphere, b = spheres.body[s];
+EffectiveMass Walls::effective_mass(const Bodies& bodies, const WallPose& pose, const WallTouch& touch,
+                                    std::uint32_t sphere) {
+  const std::uint32_t b = bodies.spheres.body[sphere];
+  const Vec3 n = pose.to_space(touch.n), c = bodies.spheres.position[sphere] + touch.arm * n;
+  return cairn::effective_mass({1.0 / bodies.mass[b], inverse_inertia(bodies, b)}, c - bodies.position[b], {},
+                               Vec3::Zero(), n);
+}
+
+double Walls::set_damping(const Bodies& bodies, const SweepSettings& settings, const WallPose& pose,
+                          const WallTouch& touch, WallContact& contact) const {
+  const std::uint32_t s = contact.sphere;
   const PairLaw& pair = law(bodies, settings, contact.wall, s);
-  EffectiveMass mu{spheres.mass[s], kTangentialRatio * spheres.mass[s]};
-  if (!settings.sphere_damping) {
-    const Vec3 n = pose.to_space(touch.n), c = spheres.position[s] + touch.arm * n;
-    mu = effective_mass({1.0 / bodies.mass[b], inverse_inertia(bodies, b)}, c - bodies.position[b], {},
-                        Vec3::Zero(), n);
+  const EffectiveMass mass = effective_mass(bodies, pose, touch, s);
+  EffectiveMass mu = mass;
+  if (settings.sphere_damping) {
+    mu.normal = bodies.spheres.mass[s];
+    mu.tangential = kTangentialRatio * mu.normal;
   }
   contact.memory.c_n = pair.damping_n * std::sqrt(pair.k_n * mu.normal);
   contact.memory.c_s = pair.damping_s * std::sqrt(pair.k_s * mu.tangential);
+  return mass.normal;
 }
 
 WallReport Walls::sweep(const std::vector<SphereMotion>& motions, const SweepSettings& settings, double time,
@@ -296,7 +335,7 @@ WallReport Walls::sweep(const std::vector<SphereMotion>& motions, const SweepSet
   const std::vector<WallPose> end = poses(time);
   std::vector<WallPose> middle;
   for (const Wall& wall : walls) middle.push_back(wall.motion.mid_step(time, settings.dt));
-  const Sweeper sweeper(*this, motions, settings, end, middle, bodies);
+  const Sweeper sweeper(*this, motions, settings, end, middle, time, bodies);
   constexpr std::size_t size = WallCandidates::kBlock;
   const std::size_t blocks = (bodies.size() + size - 1) / size;
   std::vector<Tally> tallies(blocks);
@@ -321,9 +360,20 @@ WallReport Walls::sweep(const std::vector<SphereMotion>& motions, const SweepSet
   return total;
 }
 
-void Walls::renew_damping(const Bodies& bodies, const SweepSettings& settings, double time) {
+void Walls::renew_damping(const Bodies& bodies, const Walls* before, const SweepSettings* settings_before,
+                          const SweepSettings& settings, double time) {
   const std::vector<WallPose> now = poses(time);
+  const bool known = before && settings_before && same_masses(*settings_before, settings);
+  const auto law_before = [&](const WallContact& c) -> const PairLaw* {
+    for (std::uint32_t w = 0; known && w < before->walls.size(); ++w)
+      if (before->scene_number(w) == scene_number(c.wall))
+        return &before->law(bodies, *settings_before, w, c.sphere);
+    return nullptr;
+  };
   for (WallContact& c : contacts) {
+    const PairLaw* former = law_before(c);
+    if (former && carry_damping(*former, law(bodies, settings, c.wall, c.sphere), c.memory.c_n, c.memory.c_s))
+      continue;
     const Vec3 y = now[c.wall].to_wall(bodies.spheres.position[c.sphere]);
     set_damping(bodies, settings, now[c.wall], walls[c.wall].extend(c.feature, y), c);
   }

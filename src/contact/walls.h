@@ -51,8 +51,11 @@ class Walls {
   /// sphere remembers of a part of a mesh passes to the part it has rolled or slid on to.
   WallReport sweep(const std::vector<SphereMotion>& motions, const SweepSettings& settings, double time,
                    WallCandidates& candidates, Bodies& bodies);
-  /// Dashpot constants of all contacts at the present poses.
-  void renew_damping(const Bodies& bodies, const SweepSettings& settings, double time);
+  /// Dashpot constants of all contacts as a stage begins at `time` (s). `before`, `settings_before`: the
+  /// walls, with their laws, and the settings of the one that the contacts come from; null where bodies may
+  /// have changed since.
+  void renew_damping(const Bodies& bodies, const Walls* before, const SweepSettings* settings_before,
+                     const SweepSettings& settings, double time);
   /// Energy (J) in the springs of the contacts.
   double stored_energy(const Bodies& bodies, const SweepSettings& settings, double time) const;
   /// Greatest overlap over the sphere's radius; 0 without contacts.
@@ -68,8 +71,11 @@ class Walls {
     return laws_[wall * materials_ + settings.material[bodies.spheres.body[sphere]]];
   }
   std::vector<WallPose> poses(double time) const;
-  void set_damping(const Bodies& bodies, const SweepSettings& settings, const WallPose& pose,
-                   const WallTouch& touch, WallContact& contact) const;
+  static EffectiveMass effective_mass(const Bodies& bodies, const WallPose& pose, const WallTouch& touch,
+                                      std::uint32_t sphere);
+  /// Returns the effective mass along the normal (kg).
+  double set_damping(const Bodies& bodies, const SweepSettings& settings, const WallPose& pose,
+                     const WallTouch& touch, WallContact& contact) const;
 
   std::vector<PairLaw> laws_;  // wall x material
   std::size_t materials_ = 0;

@@ -109,6 +109,53 @@ CAIRN_INLINE Quaternion<T> free_top_turn(Triple<T> p, const Triple<T>& inertia, 
   return q;
 }
 
+/// Balls of a block, each with the turn of its step: the vector along the axis whose length is the tangent of
+/// half the angle (and a number that is not used).
+struct Turns {
+  std::size_t count = 0;
+  std::size_t ball[kBodyBlock];
+  alignas(64) double half[kBodyBlock + 1][4];
+
+  void add(std::size_t b, const Vec3& turn) {
+    ball[count] = b;
+    Eigen::Map<Vec3>{half[count]} = turn;
+    half[count++][3] = 0.0;
+  }
+};
+
+/// Two balls turn at once, quaternion by quaternion, exactly.
+void turn_balls(Bodies& bodies, Turns& turns) {
+  using V = Batch::Vector;
+  using I = Mask::Vector;
+  constexpr I x{0, 0, 0, 0, 4, 4, 4, 4}, y{1, 1, 1, 1, 5, 5, 5, 5}, z{2, 2, 2, 2, 6, 6, 6, 6};
+  constexpr I with_x{3, 2, 1, 0, 7, 6, 5, 4}, with_y{2, 3, 0, 1, 6, 7, 4, 5}, with_z{1, 0, 3, 2, 5, 4, 7, 6};
+  constexpr V sign_x{1, -1, 1, -1, 1, -1, 1, -1}, sign_y{1, 1, -1, -1, 1, 1, -1, -1},
+      sign_z{-1, 1, 1, -1, -1, 1, 1, -1};
+  std::fill(turns.half[turns.count], turns.half[turns.count] + 4, 0.0);
+  for (std::size_t k = 0; k < turns.count; k += 2) {
+    double* first = bodies.orientation[turns.ball[k]].coeffs().data();
+    double* second = k + 1 < turns.count ? bodies.orientation[turns.ball[k + 1]].coeffs().data() : first;
+    V q = simd_detail::load(first, second), h;
+    __builtin_memcpy(&h, turns.half[k], sizeof h);
+    // (1, h) q
+    q = fma(Batch(sign_x * __builtin_shuffle(h, x)), __builtin_shuffle(q, with_x),
+            fma(Batch(sign_y * __builtin_shuffle(h, y)), __builtin_shuffle(q, with_y),
+                fma(Batch(sign_z * __builtin_shuffle(h, z)), __builtin_shuffle(q, with_z), Batch(q))))
+            .v;
+    const V pairs = q * q + __builtin_shuffle(q * q, with_z);
+    const Batch length2 = pairs + __builtin_shuffle(pairs, with_y);
+    // 1 / length; the series is exact to round-off below the limit.
+    const Batch e = length2 - Batch(1.0), limit(1e-4);
+    Batch scale = fma(e, fma(e, fma(e, Batch(-0.3125), Batch(0.375)), Batch(-0.5)), Batch(1.0));
+    if (any(abs(e) > limit)) scale = select(abs(e) > limit, rsqrt(length2), scale);
+    q = q * scale.v;
+    simd_detail::Half low = __builtin_shufflevector(q, q, 0, 1, 2, 3),
+                      high = __builtin_shufflevector(q, q, 4, 5, 6, 7);
+    if (second != first) __builtin_memcpy(second, &high, sizeof high);
+    __builtin_memcpy(first, &low, sizeof low);
+  }
+}
+
 /// Eight bodies turn over dt; spare places repeat a body.
 void turn_bodies(Bodies& bodies, const std::size_t (&index)[kLanes], double dt, std::size_t begin,
                  std::span<Vec3> spin_mid) {
@@ -146,7 +193,7 @@ void add_exactly(Vec3& x, Vec3& rest, const Vec3& way) {
 /// tan(x) / x, from x^2.
 double tangent_ratio(double x2) {
   if (x2 > 1e-4) return std::tan(std::sqrt(x2)) / std::sqrt(x2);
-  return 1.0 + x2 / 3.0 * (1.0 + x2 * 0.4 * (1.0 + x2 * 17.0 / 42.0));
+  return 1.0 + x2 * (1.0 / 3.0) * (1.0 + x2 * 0.4 * (1.0 + x2 * (17.0 / 42.0)));
 }
 
 }  // namespace
@@ -175,13 +222,16 @@ bool drift(Bodies& bodies, double dt, std::size_t begin, std::size_t end, std::s
       bodies.cell_edge > 0.0 ? kCellReach * bodies.cell_edge : std::numeric_limits<double>::infinity();
   bool left = false;
   std::size_t turning[kLanes], count = 0;
+  Turns turns;
   for (std::size_t b = begin; b < end; ++b) {
     Vec3& x = bodies.position[b];
     add_exactly(x, bodies.remainder[b], dt * bodies.velocity[b]);
     left |= x.cwiseAbs().maxCoeff() > reach;
     if (is_ball(bodies, b)) {
       const Vec3 w = (1.0 / bodies.inertia[b].x()) * bodies.spin[b];
-      spin_mid[b - begin] = tangent_ratio(0.25 * dt * dt * w.squaredNorm()) * w;
+      const Vec3 mid = tangent_ratio(0.25 * dt * dt * w.squaredNorm()) * w;
+      spin_mid[b - begin] = mid;
+      turns.add(b, 0.5 * dt * mid);
     } else {
       turning[count++] = b;
     }
@@ -191,6 +241,7 @@ bool drift(Bodies& bodies, double dt, std::size_t begin, std::size_t end, std::s
       count = 0;
     }
   }
+  turn_balls(bodies, turns);
   return left;
 }
 

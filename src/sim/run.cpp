@@ -216,13 +216,25 @@ StageReport Run::end_stage(std::string what, double seconds) {
   return report;
 }
 
+/// The stage before this one; none where an operation has changed the bodies since.
+std::optional<FormerStage> Run::former_stage(double k_n) const {
+  if (state_.clock.stage == 0 || scene_.stages[state_.clock.stage - 1].operates()) return {};
+  const std::size_t stage = state_.clock.stage - 1;
+  const Physics physics = resolve_physics(scene_, stage, state_.bodies, k_n);
+  FormerStage former{physics.contacts, {}};
+  set_walls(scene_, stage, walls_, state_.stage_starts, former.walls);
+  former.walls.set_laws(physics.materials, physics.wall_materials, k_n);
+  return former;
+}
+
 void Run::start_stage() {
   Clock& clock = state_.clock;
   set_walls(scene_, clock.stage, walls_, state_.stage_starts, state_.walls);
   const double held = state_.k_n;
   const double k_n = resolve_stiffness(scene_, clock.stage, state_.bodies, state_.walls.walls, held);
   physics_ = resolve_physics(scene_, clock.stage, state_.bodies, k_n);
-  begin_stage(physics_, std::exchange(inherited_, {}), state_, scratch_);
+  const std::optional<FormerStage> former = former_stage(held);
+  begin_stage(physics_, std::exchange(inherited_, {}), state_, scratch_, former ? &*former : nullptr);
   clock.steps = physics_.steps;
   clock.dt = physics_.contacts.dt;
   begin_control(physics_, state_);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "io/results.h"
 #include "io/xdmf.h"
@@ -74,6 +75,7 @@ class Run {
   Run(Scene scene, ResultFile results, Operation operation)
       : scene_(std::move(scene)), results_(std::move(results)), operation_(std::move(operation)) {}
 
+  std::optional<FormerStage> former_stage(double k_n) const;
   static Run load(const std::filesystem::path& path, Operation operation);
   void check_stages(std::size_t first) const;
   void start_stage();

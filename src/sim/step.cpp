@@ -331,8 +331,8 @@ void prepare_scratch(const Physics& physics, State& state, Scratch& scratch) {
   }
 }
 
-void begin_stage(const Physics& physics, std::vector<ContactRecord> contacts, State& state,
-                 Scratch& scratch) {
+void begin_stage(const Physics& physics, std::vector<ContactRecord> contacts, State& state, Scratch& scratch,
+                 const FormerStage* former) {
   Bodies& bodies = state.bodies;
   place_spheres(bodies);
   if (state.box.periodic()) {
@@ -359,9 +359,10 @@ void begin_stage(const Physics& physics, std::vector<ContactRecord> contacts, St
   prepare_scratch(physics, state, scratch);
   state.contacts.restore(contacts);
   give_back(contacts);  // gravity needs the room
-  for (std::size_t slot = 0; slot < state.contacts.slots(); ++slot)
-    if (state.contacts.touching(slot)) set_damping(bodies, physics.contacts, state.contacts, slot);
-  state.walls.renew_damping(bodies, physics.contacts, state.clock.time());
+  const SweepSettings* before = former ? &former->settings : nullptr;
+  renew_damping(bodies, before, physics.contacts, state.contacts);
+  state.walls.renew_damping(bodies, former ? &former->walls : nullptr, before, physics.contacts,
+                            state.clock.time());
   state.k_n = physics.k_n;
 
   // A sweep of no duration: no spring grows, dashpots see the present velocities.

@@ -37,11 +37,19 @@ struct Scratch {
   PhaseTimes times{};
 };
 
-/// Prepares a stage: the contacts it inherits take its stiffness and materials (springs keep their forces),
-/// wrenches are evaluated at the present poses and velocities.
+/// What the dashpots of inherited contacts come from.
+struct FormerStage {
+  SweepSettings settings;
+  Walls walls;  ///< with their laws
+};
+
+/// Prepares a stage: the contacts it inherits take its stiffness and materials (springs keep their forces,
+/// and dashpots the effective masses of first touch where `former` tells them), wrenches are evaluated at the
+/// present poses and velocities.
 /// @throws InputError when bodies overlap beyond the bound before the first step, when the box is too small
 /// for them, and when its strain leads away from the packing fraction asked for.
-void begin_stage(const Physics& physics, std::vector<ContactRecord> contacts, State& state, Scratch& scratch);
+void begin_stage(const Physics& physics, std::vector<ContactRecord> contacts, State& state, Scratch& scratch,
+                 const FormerStage* former = nullptr);
 
 /// Restores what a checkpoint does not hold, without changing the state.
 void prepare_scratch(const Physics& physics, State& state, Scratch& scratch);

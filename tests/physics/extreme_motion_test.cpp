@@ -154,7 +154,7 @@ TEST(ExtremeMotion, StepsFromMuchTooShortToMuchTooLong) {
                "Energy gone astray in a crystal of spheres with twelve contacts each (1000: stopped).",
                {"steps per contact", "error / kinetic energy", true, true}, {elastic, all});
   const std::string refused = complaint<InputError>([] {
-    Experiment e(scene_text({}, "stiffness = 1e6\ntime_step = 0.1", "", body({})));
+    Experiment e(scene_text({}, "stiffness = 1e6\ntime_step = 0.1", "", body({}) + wall()));
     e.begin();
   });
   EXPECT_NE(refused.find("the longest safe one is"), std::string::npos) << refused;

@@ -27,7 +27,7 @@ double orbit_error(double eccentricity, const std::string& contact, double turns
   const double a = q / (1.0 - eccentricity), period = 2.0 * kPi * std::sqrt(a * a * a / gm);
   const Vec3 speed(0.0, std::sqrt(gm * (1.0 + eccentricity) / q), 0.0);
   Experiment e(
-      scene_text({}, contact, "method = 'direct'",
+      scene_text({}, contact, "method = 'direct'\ninterval = 1",
                  body({.size = 1.0, .position = {-q / 9.0, 0, 0}, .velocity = -1.0 / 9.0 * speed}) +
                      body({.size = 0.5, .position = {q * 8.0 / 9.0, 0, 0}, .velocity = 8.0 / 9.0 * speed}),
                  1e7));
@@ -78,7 +78,7 @@ TEST(NoContacts, BodiesAreNoObstacle) {
   EXPECT_EQ(e.state.ledger.largest_overlap, 0.0);
 
   // With contacts they bounce; a single body needs none, nor their stiffness.
-  Experiment bounce(scene_text({}, "stiffness = 1e6", "", two, 10.0));
+  Experiment bounce(scene_text({}, "stiffness = 1e8", "", two, 10.0));
   bounce.begin();
   bounce.advance(bounce.physics.steps);
   EXPECT_LT(bounce.state.bodies.velocity[0].x(), 0.0);

@@ -211,9 +211,11 @@ void go_on(const std::filesystem::path& path) {
   EXPECT_EQ(Run::resume(path, operate).advance({}), RunEnd::finished);
 }
 
-ino_t inode(const std::filesystem::path& path) {
+/// What tells one version of a file from another.
+std::string version(const std::filesystem::path& path) {
   struct stat info {};
-  return stat(path.c_str(), &info) == 0 ? info.st_ino : 0;
+  if (stat(path.c_str(), &info) != 0) return {};
+  return fmt::format("{} {} {}.{}", info.st_ino, info.st_size, info.st_mtim.tv_sec, info.st_mtim.tv_nsec);
 }
 
 /// Steps done in all stages at which a stage began or ended.
@@ -223,11 +225,12 @@ using Steps = std::vector<std::uint64_t>;
 Steps run_whole(const std::string& text, const Folder& folder, int* copies) {
   Run run = new_run(text, folder / "whole.h5");
   Steps borders;
-  ino_t last = 0;
+  std::string last;
   std::uint64_t stage = 0;
   EXPECT_EQ(run.advance({.watch =
                              [&](const Run& r) {
-                               if (const ino_t now = inode(folder / "whole.h5"); copies && now != last) {
+                               if (const std::string now = version(folder / "whole.h5");
+                                   copies && now != last) {
                                  last = now;
                                  std::filesystem::copy_file(folder / "whole.h5",
                                                             folder / fmt::format("kill{}.h5", (*copies)++));

@@ -166,16 +166,24 @@ CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const Contact
     if (any(slides)) {
       const T stretch = dt * dot(rate_mid, spring);
       const T keep = cut(limit, stiffness * stiffness * length2);
-      const Triple<T> drag_mid =
-          fma(half_stiffness, fma(T(1.0) + keep, spring, -dt * rate_mid), damping * rate_mid);
+      Triple<T> kept = keep * spring;
+      // A spring held at its limit turns towards the rate while it slides: half of what is cut off of it,
+      // over its length, is the share by which the rate counts more for that to be right to second order.
+      const T over = T(1.0) - keep, little(1e-6);
+      if (any(over > little)) {
+        const T share = select(over > little, T(0.5) * over * fma(over, T(1.0) + over, T(1.0)), zero);
+        const Triple<T> longer = fma(share * dt, fma(-dot(rate_mid, n), n, rate_mid), spring);
+        kept = cut(limit, stiffness * stiffness * dot(longer, longer)) * longer;
+      }
+      const Triple<T> drag_mid = fma(half_stiffness, kept + fma(-dt, rate_mid, spring), damping * rate_mid);
       const T work = cut(limit_mid, dot(drag_mid, drag_mid)) * dt * dot(drag_mid, rate_mid);
-      const T gain = fma(fma(keep, keep, T(-1.0)), length2, T(2.0) * stretch - dt * way2);
+      const T gain = (dot(kept, kept) - length2) + fma(T(2.0), stretch, -dt * way2);
       lost = select(slides, fma(-half_stiffness, gain, work), lost);
-      spring = keep * spring;
-      const Triple<T> kept = fma(damping, rate, stiffness * spring);
-      const T scale = cut(limit, dot(kept, kept));
-      sum = {select(slides, scale * kept.x, sum.x), select(slides, scale * kept.y, sum.y),
-             select(slides, scale * kept.z, sum.z)};
+      spring = kept;
+      const Triple<T> whole = fma(damping, rate, stiffness * kept);
+      const T scale = cut(limit, dot(whole, whole));
+      sum = {select(slides, scale * whole.x, sum.x), select(slides, scale * whole.y, sum.y),
+             select(slides, scale * whole.z, sum.z)};
     }
     action.dissipated += lost;
     return sum;

@@ -178,6 +178,25 @@ TEST(Law, FrictionHoldsToTheCoulombLimitAndNoFurther) {
   EXPECT_NEAR(act<kFriction>(law, s).force.x, limit - law.k_s * 1e-5, 1e-9 * limit);
 }
 
+TEST(Law, ASpringAtItsLimitTurnsTowardsTheSlipAtSecondOrder) {
+  // Held at the length H while the slip goes on at speed u, the spring turns by u sin(angle) / H.
+  const PairLaw law = rough_law();
+  const double length = law.friction * kStiffness * 1e-3 / law.k_s, way = 1.5 * length;
+  std::vector<double> errors;
+  for (const int steps : {10, 20, 40, 80}) {
+    State s = resting(1e-3);
+    s.motion.dt = 1e-4;
+    s.motion.u_mid = {way / steps / s.motion.dt, 0.0, 0.0};
+    s.memory.slide = {0.0, length, 0.0};  // across: no part of it is unloaded
+    for (int k = 0; k < steps; ++k) act<kFriction>(law, s);
+    const double angle = 2.0 * std::atan(std::exp(-way / length));
+    EXPECT_NEAR(std::hypot(s.memory.slide.x, s.memory.slide.y), length, 1e-12 * length);
+    errors.push_back(std::abs(std::atan2(s.memory.slide.y, s.memory.slide.x) - angle));
+  }
+  EXPECT_LT(errors[1], 2e-3);
+  for (std::size_t k = 1; k < errors.size(); ++k) EXPECT_GT(std::log2(errors[k - 1] / errors[k]), 1.8) << k;
+}
+
 TEST(Law, DashpotAndSpringTogetherStayWithinTheLimit) {
   Random random(3, 0);
   const PairLaw law = rough_law();

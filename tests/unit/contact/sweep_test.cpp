@@ -122,7 +122,8 @@ Expected expect(const Heap& heap, std::size_t slot) {
       /*dt=*/dt};
   Expected out{.memory = heap.contacts.memory(slot)};
   if (!heap.contacts.touching(slot)) {
-    motion.dt = std::min(dt, geometry.overlap / std::abs(u_mid.dot(n_mid)));
+    if (const double nearing = -u_mid.dot(n_mid); nearing > 0.0)
+      motion.dt = std::min(dt, geometry.overlap / nearing);
     EffectiveMass mu;
     if (heap.settings.sphere_damping) {
       mu.normal = 1.0 / (1.0 / spheres.mass[pair.i] + 1.0 / spheres.mass[pair.j]);

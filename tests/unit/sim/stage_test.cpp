@@ -63,6 +63,44 @@ duration = 1
   EXPECT_NEAR(two.state.bodies.force[0].z(), 4e5 * 0.01, 1e-6);
 }
 
+TEST(BeginStage, DashpotsKeepTheEffectiveMassesOfFirstTouch) {
+  TwoOnFloor two(R"(
+[gravity]
+method = "none"
+[contact]
+stiffness = 4e5
+[[stage]]
+name = "the same, or stiffer"
+duration = 1
+)");
+  two.begin();
+  const ContactMemory<double> old{1.0, 2.0, {}, {}, 0.0};
+  for (const double softer : {1.0, 4.0}) {
+    FormerStage former{two.physics.contacts, two.state.walls};
+    for (PairLaw& law : former.settings.laws) law.k_n /= softer, law.k_s /= softer;
+    former.walls.set_laws(two.physics.materials, two.physics.wall_materials, two.physics.k_n / softer);
+    two.state.walls.contacts = {{1, 0, 0, old}};
+    begin_stage(two.physics, {{0, 1, old}}, two.state, two.scratch, &former);
+    for (const ContactMemory<double>& m :
+         {two.state.contacts.records().at(0).memory, two.state.walls.contacts.at(1).memory}) {
+      EXPECT_EQ(m.c_n, std::sqrt(softer));
+      EXPECT_EQ(m.c_s, 2.0 * std::sqrt(softer));
+    }
+    // With another restitution in the same proportion; from an elastic one nothing is known.
+    for (const double damping : {0.5, 0.0}) {
+      FormerStage other{two.physics.contacts, two.state.walls};
+      for (PairLaw& law : other.settings.laws) law.damping_n *= damping, law.damping_s *= damping;
+      begin_stage(two.physics, {{0, 1, old}}, two.state, two.scratch, &other);
+      const ContactMemory<double> m = two.state.contacts.records().at(0).memory;
+      if (damping > 0.0)
+        EXPECT_EQ(m.c_n, 2.0);
+      else
+        EXPECT_NEAR(m.c_n, damping_ratio(0.55) * std::sqrt(0.5 * 4e5 * two.state.bodies.mass[0]),
+                    1e-9 * m.c_n);
+    }
+  }
+}
+
 TEST(BeginStage, RefusesAContactOfSpheresFarApart) {
   TwoOnFloor two(
       "[gravity]\nmethod = 'none'\n[contact]\nstiffness = 1e5\n[[stage]]\nname = 's'\nduration = 1\n");
