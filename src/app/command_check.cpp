@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "app/commands.h"
@@ -9,10 +10,12 @@
 #include "core/timer.h"
 #include "pile/assemble.h"
 #include "pile/operate.h"
+#include "pile/outlook.h"
 #include "sim/make_perturbers.h"
 #include "sim/make_walls.h"
 #include "sim/run.h"
 #include "sim/spin_control.h"
+#include "sim/warnings.h"
 
 namespace cairn {
 
@@ -28,19 +31,25 @@ struct Trial {
   double step = 0.0, row = 0.0;  ///< wall-clock seconds of a step and of a row of the series
   double coordination = 0.0;     ///< contacts per sphere
   std::vector<std::string> warnings;
+  StartEnergy start;  ///< of the contacts
 };
 
 /// On a copy of the state, no longer than the stage. At first gravity is evaluated more often than later.
-Trial try_stage(const Scene& scene, const Physics& physics, const std::vector<ContactRecord>& contacts,
-                State state) {
+Trial try_stage(const Scene& scene, std::size_t stage, const Physics& physics,
+                const std::vector<ContactRecord>& contacts, State state) {
   constexpr double kWarmUp = 0.5, kTrial = 1.5;  // s
   Scratch scratch;
+  place_spheres(state.bodies);
+  const double held = held_energy(scene, stage, physics, state, contacts), former = state.k_n;
   begin_stage(physics, contacts, state, scratch);
   state.clock.dt = physics.contacts.dt;
   begin_control(physics, state);
-  Trial trial{.warnings = control_warnings(physics, state)};
+  Trial trial;
+  trial.warnings = control_warnings(physics, state);
   const double gap = link_gap(scene, state.bodies);
-  trial.coordination = observe(physics, state, scratch, gap).coordination;
+  const Observation first = observe(physics, state, scratch, gap);
+  trial.coordination = first.coordination;
+  trial.start = start_energy(physics, state, first, held, former);
   double start = wall_seconds();
   observe(physics, state, scratch, gap);
   trial.row = wall_seconds() - start;
@@ -90,21 +99,32 @@ void check(const Options& options) {
   for (const std::string& what : lost) fmt::print("warning      {}\n", what);
   std::optional<Trial> trial;  // of the first stage that takes time; the bodies after it are not known
   double seconds = 0.0, held = state.k_n, output = 0.0;  // bytes of snapshots and of the series
+  const std::vector<std::vector<std::string>> looks_wrong = operation_warnings(scene, state);
+  std::vector<std::string> said;
+  const auto warn = [&](const std::vector<std::string>& all) {
+    for (const std::string& w : all) {
+      if (std::find(said.begin(), said.end(), w) != said.end()) continue;
+      fmt::print("  warning    {}\n", w);
+      said.push_back(w);
+    }
+  };
   for (std::size_t k = 0; k < scene.stages.size(); ++k) {
     if (scene.stages[k].operates()) {
       fmt::print("stage {} '{}'\n  operation  {}\n", k, scene.stages[k].name, describe_operation(scene, k));
+      warn(looks_wrong[k]);
       if (trial) continue;
       operate(scene, k, state, contacts);
       place_spheres(state.bodies);
       continue;
     }
     const std::vector<Wall> walls = walls_of_stage(scene, k, all_walls);
-    const double k_n = resolve_stiffness(scene, k, bodies, walls, held);
+    const Stiffness stiffness = resolve_stiffness(scene, k, bodies, walls, held);
+    const double k_n = stiffness.k_n;
     const Physics physics = resolve_physics(scene, k, bodies, k_n);
     const bool first = !trial;
     if (first) {
       set_walls(scene, k, all_walls, std::vector<double>(k + 1, 0.0), state.walls);
-      trial = try_stage(scene, physics, contacts, state);
+      trial = try_stage(scene, k, physics, contacts, state);
     }
     seconds += static_cast<double>(physics.steps) *
                (trial->step + trial->row * std::min(1.0, physics.contacts.dt / physics.series_interval));
@@ -112,21 +132,24 @@ void check(const Options& options) {
     fmt::print("stage {} '{}'\n  models     {}\n", k, scene.stages[k].name,
                describe_models(physics, bodies, !walls.empty(), state.box.periodic()));
     if (physics.can_touch)
-      fmt::print("  stiffness  {:.4g} N/m; shortest contact {:.4g} s\n", physics.k_n, physics.contact_time);
+      fmt::print(
+          "  stiffness  {:.4g} N/m, {}\n"
+          "  contact    {:.4g} s at shortest, the {}; softer contacts, a heavier smallest body or fewer "
+          "steps_per_contact lengthen the step\n",
+          physics.k_n, stiffness.why, physics.contact_time, physics.shortest_contact);
     fmt::print("  time step  {:.4g} s{}, {} steps for {:.6g} s\n", physics.contacts.dt,
                physics.can_touch
                    ? fmt::format(" (longest safe {:.4g} s)", kLongestSafeStep * physics.contact_time)
                    : "",
                physics.steps, scene.stages[k].duration + scene.stages[k].extension);
-    if (first) {
-      std::vector<std::string> all = warnings(physics, bodies, walls);
-      all.insert(all.end(), trial->warnings.begin(), trial->warnings.end());
-      for (const std::string& w : all) fmt::print("  warning    {}\n", w);
-    }
-    if (held > 0.0 && k_n > 2.0 * held && physics.gravity != GravityMethod::none)
+    warn(first ? warnings(physics, bodies, walls) : lasting_warnings(physics));
+    if (first) warn(trial->warnings);
+    if (first && trial->start.counts())
+      fmt::print("  {}    {}\n", physics.relax ? "energy " : "warning", describe(trial->start, bodies));
+    if (!first && held > 0.0 && k_n > 2.0 * held && physics.gravity != GravityMethod::none && !physics.relax)
       fmt::print(
           "  warning    contacts become {:.3g} times stiffer than they are and push the pile apart at "
-          "first\n",
+          "first; a stage with relax = {{}} takes that out\n",
           k_n / held);
     held = k_n;
   }

@@ -14,6 +14,7 @@
 #include "io/xdmf.h"
 #include "pile/assemble.h"
 #include "pile/operate.h"
+#include "pile/outlook.h"
 #include "sim/extend.h"
 #include "sim/run.h"
 
@@ -47,6 +48,9 @@ void start(const Options& options) {
     return Run(std::move(scene), std::move(setup), std::move(results), operate);
   });
   for (const std::string& w : run.warnings()) spdlog::warn("{}", w);
+  const std::vector<std::vector<std::string>> looks_wrong = operation_warnings(run.scene(), run.state());
+  for (std::size_t k = 0; k < looks_wrong.size(); ++k)
+    for (const std::string& w : looks_wrong[k]) spdlog::warn("stage '{}': {}", run.scene().stages[k].name, w);
   run_to_end(std::move(run));
   print_summary({output});
 }

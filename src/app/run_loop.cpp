@@ -61,11 +61,6 @@ class ProgressBar {
       if (const double error = run.state().gravity.error; error > 0.0)
         spdlog::info("stage '{}': the tree's field has an error of {:.1e}", run.scene().stages[stage_].name,
                      error);
-      if (run.burst() > 1e-3)
-        spdlog::warn(
-            "stage '{}': the contacts are stiffer than those the pile settled with; what its overlaps "
-            "now hold is {:.2g} of its gravitational energy and pushes it apart",
-            run.scene().stages[stage_].name, run.burst());
       mark_ = now;
       line_.wait();
       mark_step_ = clock.step;

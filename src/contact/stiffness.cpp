@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
+#include <utility>
 
 #include "contact/law/pair.h"
 
@@ -14,10 +16,101 @@ namespace {
 constexpr double kPacking = 0.6;     // bulk over particle density of a random pile
 constexpr double kForceChain = 8.0;  // strongest chain over mean load
 
-double solid_volume(const Bodies& bodies) {
-  double volume = 0.0;
-  for (double r : bodies.spheres.radius) volume += 4.0 / 3.0 * kPi * r * r * r;
-  return volume;
+double cubed(double x) {
+  return x * x * x;
+}
+
+double squared(double x) {
+  return x * x;
+}
+
+/// Sum of the cubed radii (m^3) of the spheres of body b.
+double cubed_radii(const Bodies& bodies, std::size_t b) {
+  double cube = 0.0;
+  for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s)
+    cube += cubed(bodies.spheres.radius[s]);
+  return cube;
+}
+
+double cubed_radii(const Bodies& bodies) {
+  double cube = 0.0;
+  for (double r : bodies.spheres.radius) cube += cubed(r);
+  return cube;
+}
+
+double total_mass(const Bodies& bodies) {
+  return std::accumulate(bodies.mass.begin(), bodies.mass.end(), 0.0);
+}
+
+double largest_radius(const Bodies& bodies, std::size_t b) {
+  const auto* radii = bodies.spheres.radius.data();
+  return *std::max_element(radii + bodies.first_sphere[b], radii + bodies.first_sphere[b + 1]);
+}
+
+/// The bodies with the greatest and the next greatest value; the same one where there is no other.
+class Greatest {
+ public:
+  /// Takes the bodies' values one after the other.
+  void add(std::uint32_t body, double value) {
+    if (value > first_) {
+      next_ = first_;
+      next_body_ = body_;
+      first_ = value;
+      body_ = body;
+    } else if (value > next_) {
+      next_ = value;
+      next_body_ = body;
+    }
+  }
+  double first() const { return first_; }
+  double next() const { return next_body_ ? next_ : first_; }
+  std::uint32_t body() const { return *body_; }
+  /// Where it is among those that body b can meet.
+  std::uint32_t other_than(std::uint32_t b) const { return b == *body_ ? next_body_.value_or(b) : *body_; }
+  Encounter of_both() const { return {*body_, next_body_.value_or(*body_)}; }
+
+ private:
+  double first_ = -1.0, next_ = -1.0;
+  std::optional<std::uint32_t> body_, next_body_;
+};
+
+/// Calls visit(sphere, its body, the other or none for a wall) for each sphere and those that can load it
+/// most among the bodies that it can meet: one that is the greatest in something. Where it is the larger
+/// sphere of the pair, the pair has its turn at the smaller one.
+template <class Visit>
+void for_worst_pairs(const Bodies& bodies, bool walls, Visit&& visit) {
+  Greatest mass, size, radius;
+  for (std::uint32_t b = 0; b < bodies.size(); ++b) {
+    mass.add(b, bodies.mass[b]);
+    size.add(b, cubed_radii(bodies, b));
+    radius.add(b, largest_radius(bodies, b));
+  }
+  for (std::uint32_t b = 0; b < bodies.size(); ++b) {
+    const std::uint32_t heaviest = mass.other_than(b), largest = size.other_than(b),
+                        roundest = radius.other_than(b);
+    for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s) {
+      if (walls) visit(s, b, std::optional<std::uint32_t>());
+      if (walls && bodies.size() == 1) continue;
+      visit(s, b, std::optional(heaviest));
+      if (largest != heaviest) visit(s, b, std::optional(largest));
+      if (roundest != heaviest && roundest != largest) visit(s, b, std::optional(roundest));
+    }
+  }
+}
+
+/// Pull of cohesion (N) between sphere s and the largest one of what its body meets.
+double pull(const Bodies& bodies, const ContactDemand& demand, std::uint32_t s,
+            const std::optional<std::uint32_t>& other) {
+  const double r = bodies.spheres.radius[s];
+  if (!other) return demand.wall_cohesion * r * r;
+  const double partner = largest_radius(bodies, *other), radius = r * partner / (r + partner);
+  return demand.cohesion * radius * radius;
+}
+
+/// The smaller radius (m) of sphere s and the largest one of what its body meets.
+double smaller_radius(const Bodies& bodies, std::uint32_t s, const std::optional<std::uint32_t>& other) {
+  const double r = bodies.spheres.radius[s];
+  return other ? std::min(r, largest_radius(bodies, *other)) : r;
 }
 
 double largest_eigenvalue(const Mat3& m) {
@@ -56,65 +149,85 @@ Mobility greatest_mobility(const Bodies& bodies, std::size_t b) {
 }  // namespace
 
 double escape_speed(const Bodies& bodies) {
-  double mass = 0.0;
-  for (double m : bodies.mass) mass += m;
-  const double radius = std::cbrt(3.0 * solid_volume(bodies) / (4.0 * kPi * kPacking));
-  return std::sqrt(2.0 * kGravitationalConstant * mass / radius);
+  double steepest = total_mass(bodies) / std::cbrt(cubed_radii(bodies) / kPacking);  // kg/m
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    steepest = std::max(steepest, bodies.mass[b] / std::cbrt(cubed_radii(bodies, b)));
+  return std::sqrt(2.0 * kGravitationalConstant * steepest);
 }
 
-double choose_stiffness(const Bodies& bodies, const ContactDemand& demand) {
-  const auto& radii = bodies.spheres.radius;
-  const double overlap = demand.max_overlap * *std::min_element(radii.begin(), radii.end());
-  const double largest_radius = *std::max_element(radii.begin(), radii.end());
-  const double largest_mass = *std::max_element(bodies.mass.begin(), bodies.mass.end());
-  double mass = 0.0;
-  for (double m : bodies.mass) mass += m;
-
-  double force = demand.cohesion * std::pow(demand.shape_factor * largest_radius, 2);
+StiffnessChoice choose_stiffness(const Bodies& bodies, const ContactDemand& demand) {
+  const double mass = total_mass(bodies), cubes = cubed_radii(bodies), area = squared(std::cbrt(cubes));
+  double load = 0.0;  // N/m^2, over the squared radius of the sphere with the volume of a body's spheres
   if (demand.self_gravity) {
-    const double volume = solid_volume(bodies);
-    const double density = kPacking * mass / volume;
-    const double pile_radius = std::cbrt(3.0 * volume / (4.0 * kPi * kPacking));
-    const double pressure =
-        2.0 / 3.0 * kPi * kGravitationalConstant * density * density * pile_radius * pile_radius;
-    double body_area = 0.0;  // of the sphere with the volume of the heaviest body's spheres
-    for (std::size_t b = 0; b < bodies.size(); ++b) {
-      double cube = 0.0;
-      for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s)
-        cube += std::pow(radii[s], 3);
-      body_area = std::max(body_area, kPi * std::pow(cube, 2.0 / 3.0));
-    }
-    force += kForceChain * pressure * body_area;
+    const double density = kPacking * mass / (4.0 / 3.0 * kPi * cubes);
+    const double pile_radius = std::cbrt(cubes / kPacking);
+    load += kForceChain * kPi * 2.0 / 3.0 * kPi * kGravitationalConstant * density * density * pile_radius *
+            pile_radius;
   }
-  // Under a uniform field a column as high as the cube root of the number of bodies rests on one contact.
-  force += kForceChain * demand.field * largest_mass * std::cbrt(static_cast<double>(bodies.size()));
-  const double impact = largest_mass * std::pow(demand.impact_speed / overlap, 2);
-  return std::max(impact, force / overlap);
+  if (demand.field > 0.0) {
+    // At the foot of a column as high as the cube root of the number of equal bodies, or of a heavier body.
+    double heaviest = mass / area;
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      heaviest = std::max(heaviest, bodies.mass[b] / squared(std::cbrt(cubed_radii(bodies, b))));
+    load += kForceChain * demand.field * heaviest;
+  }
+  StiffnessChoice choice;
+  for_worst_pairs(bodies, demand.walls, [&](std::uint32_t s, std::uint32_t b, const auto& other) {
+    const double overlap = demand.max_overlap * bodies.spheres.radius[s];
+    const double lighter = other ? std::min(bodies.mass[b], bodies.mass[*other]) : bodies.mass[b];
+    const double impact = lighter * squared(demand.impact_speed / overlap);
+    double cube = cubed_radii(bodies, b);
+    if (other) cube = std::min(cube, cubed_radii(bodies, *other));
+    const double force = pull(bodies, demand, s, other) + load * squared(std::cbrt(cube));
+    const double k_n = std::max(impact, force / (demand.max_overlap * smaller_radius(bodies, s, other)));
+    if (k_n > choice.k_n) choice = {k_n, k_n == impact, s, {b, other}};
+  });
+  return choice;
 }
 
-double shortest_contact_time(const Bodies& bodies, double k_n, double shape_factor, bool rolling,
-                             bool walls) {
+double greatest_pull(const Bodies& bodies, const ContactDemand& demand) {
+  double greatest = 0.0;
+  for_worst_pairs(bodies, demand.walls, [&](std::uint32_t s, std::uint32_t, const auto& other) {
+    greatest = std::max(greatest, pull(bodies, demand, s, other) / smaller_radius(bodies, s, other));
+  });
+  return greatest;
+}
+
+ShortestContact shortest_contact(const Bodies& bodies, double k_n, double shape_factor, bool rolling,
+                                 bool walls) {
   const auto& radii = bodies.spheres.radius;
   std::map<std::uint32_t, Mobility> mobility;  // M times the mobility does not depend on size or density
-  double normal = 0.0, tangential = 0.0, roll = 0.0;
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
+  Greatest normal, sliding, turning;
+  for (std::uint32_t b = 0; b < bodies.size(); ++b) {
     auto [it, fresh] = mobility.try_emplace(bodies.shape[b]);
     if (fresh) it->second = greatest_mobility(bodies, b);
-    normal = std::max(normal, it->second.normal / bodies.mass[b]);
-    tangential = std::max(tangential, it->second.tangential / bodies.mass[b]);
-    for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s)
-      roll = std::max(roll, radii[s] * radii[s] / bodies.inertia[b][0]);
+    normal.add(b, it->second.normal / bodies.mass[b]);
+    sliding.add(b, it->second.tangential / bodies.mass[b]);
+    const double radius = largest_radius(bodies, b);
+    turning.add(b, radius * radius / bodies.inertia[b][0]);
   }
-  // Squared frequencies of two equal worst bodies.
-  double fastest = std::max(2.0 * k_n * normal, 2.0 * kTangentialRatio * k_n * tangential);
+  // Squared frequencies of the two worst bodies; a body alone meets one of its kind, or a wall that asks for
+  // less.
+  double fastest = 0.0;
+  ShortestContact out;
+  const auto take = [&](ShortestContact::Mode mode, double square, const Encounter& encounter) {
+    if (square <= fastest) return;
+    fastest = square;
+    out = {kPi / std::sqrt(square), mode, encounter};
+  };
+  take(ShortestContact::Mode::normal, k_n * (normal.first() + normal.next()), normal.of_both());
+  take(ShortestContact::Mode::sliding, kTangentialRatio * k_n * (sliding.first() + sliding.next()),
+       sliding.of_both());
   if (rolling) {
+    // R^2 / I summed over both, R = r / (1 + ratio of the radii): most when the worse one is the smaller.
     const auto [least, most] = std::minmax_element(radii.begin(), radii.end());
-    const double ratio = walls ? 0.0 : *least / *most;  // of the partners' radii: R = r / (1 + ratio)
-    const double patch =
-        shape_factor * shape_factor * roll * (1.0 + ratio * ratio) / ((1.0 + ratio) * (1.0 + ratio));
-    fastest = std::max(fastest, std::max(1.0, 2.0 * kTangentialRatio) * k_n * patch);
+    const double ratio = walls ? 0.0 : *least / *most;
+    const double sum = (turning.first() + ratio * ratio * turning.next()) / ((1.0 + ratio) * (1.0 + ratio));
+    take(ShortestContact::Mode::rolling,
+         std::max(1.0, 2.0 * kTangentialRatio) * k_n * shape_factor * shape_factor * sum,
+         walls ? Encounter{turning.body(), {}} : turning.of_both());
   }
-  return kPi / std::sqrt(fastest);
+  return out;
 }
 
 }  // namespace cairn

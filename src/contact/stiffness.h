@@ -1,6 +1,8 @@
 // Choice of the normal stiffness and of the time step from what a scene asks of its contacts.
 #pragma once
 
+#include <optional>
+
 #include "body/bodies.h"
 #include "contact/law/material.h"
 
@@ -8,26 +10,56 @@ namespace cairn {
 
 /// What the contacts must bear.
 struct ContactDemand {
-  double max_overlap = 0.01;  ///< aimed at, of the smallest sphere radius
+  double max_overlap = 0.01;  ///< aimed at, of the smaller radius of a pair
   double impact_speed = 0.0;  ///< m/s
   double field = 0.0;         ///< m/s^2, magnitude of the uniform field
   bool self_gravity = false;
-  double cohesion = 0.0;      ///< Pa, strongest
-  double shape_factor = 0.5;  ///< beta, largest
+  double cohesion = 0.0;       ///< N/m^2, strongest pull of two bodies over R^2: c (2 beta)^2
+  double wall_cohesion = 0.0;  ///< the same of a body and a wall
+  bool walls = false;
 };
 
-/// Smallest normal stiffness (N/m) that keeps overlaps near the aim: k >= M (v / x)^2 for impacts and k >= F
-/// / x for the static load: pressure at the centre of the pile, 8 times for force chains, and cohesion [Zhang
-/// et al. 2017, section 2.2]. 0 when nothing loads the contacts.
-double choose_stiffness(const Bodies& bodies, const ContactDemand& demand);
+/// A body and what it meets: another one, or a wall, or one of its kind where it is alone.
+struct Encounter {
+  std::uint32_t body = 0;
+  std::optional<std::uint32_t> other;  ///< none: a wall
+};
 
-/// Escape speed (m/s) from the surface of the pile the bodies would make at 60 % packing.
+/// The normal stiffness, and what asks for so much.
+struct StiffnessChoice {
+  double k_n = 0.0;          ///< N/m; 0: nothing loads the contacts
+  bool impact = false;       ///< a blow asks for it; otherwise a load at rest
+  std::uint32_t sphere = 0;  ///< whose radius bounds the overlap
+  Encounter encounter;
+};
+
+/// Smallest normal stiffness that keeps overlaps near the aim, x = max_overlap times the smaller radius of a
+/// pair, in every pair that can meet: k >= m (v / x)^2 for impacts, m the lighter body's mass (the effective
+/// mass when neighbours, or a wall, hold the other one), and k >= F / x for the static load: pressure at the
+/// centre of the pile, or at the foot of a column in the field, on the smaller body's area, 8 times for force
+/// chains, and cohesion [Zhang et al. 2017, section 2.2].
+StiffnessChoice choose_stiffness(const Bodies& bodies, const ContactDemand& demand);
+
+/// Strongest pull of cohesion over the smaller radius of its pair (N/m), of all pairs that can meet.
+double greatest_pull(const Bodies& bodies, const ContactDemand& demand);
+
+/// Escape speed (m/s) from the surface of the pile the bodies would make at 60 % packing, or of a body where
+/// that is faster.
 double escape_speed(const Bodies& bodies);
 
-/// Half the period (s) of the fastest undamped contact mode any two of the bodies, or a body and a wall, can
-/// have: normal, tangential, rolling or twisting, in the worst direction. No mode of a contact is faster than
-/// this over pi. Exact for two equal bodies in the worst position, an upper bound on the frequency otherwise.
-double shortest_contact_time(const Bodies& bodies, double k_n, double shape_factor, bool rolling, bool walls);
+/// Half the period of the fastest undamped contact mode, and whose it is.
+struct ShortestContact {
+  enum class Mode { normal, sliding, rolling };
+  double time = 0.0;  ///< s
+  Mode mode = Mode::normal;
+  Encounter encounter;
+};
+
+/// That of any two of the bodies, or of a body and a wall, in the worst direction. No mode of a contact is
+/// faster than its time over pi. Exact for two equal bodies in the worst position, an upper bound on the
+/// frequency otherwise.
+ShortestContact shortest_contact(const Bodies& bodies, double k_n, double shape_factor, bool rolling,
+                                 bool walls);
 
 /// A pile's coordination adds stiffnesses on one light body; steps longer than this part of the shortest
 /// contact time are refused.

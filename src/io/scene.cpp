@@ -262,8 +262,8 @@ class Checks {
       return;
     }
     for (const char* name : {".duration", ".extension", ".material", ".contacts", ".impact_speed",
-                             ".stiffness", ".time_step", ".spin", ".strain_rate", ".packing", ".gravity",
-                             ".field", ".quiet_energy", ".quiet_speed", ".quiet_interval"})
+                             ".stiffness", ".time_step", ".spin", ".relax", ".strain_rate", ".packing",
+                             ".gravity", ".field", ".quiet_energy", ".quiet_speed", ".quiet_interval"})
       if (given(key + name))
         throw error(key + name, "has no effect in a stage that carves, scales or assigns");
     if (scene_.box) throw error(key, "a pile in a periodic box cannot be carved, scaled or assigned");
@@ -302,6 +302,7 @@ class Checks {
       if (!stage.material.empty()) check_reference(stage.material, key + ".material");
       if (stage.spin) check_path(stage.spin->path, key + ".spin.path");
       check_strain(stage, key);
+      check_relax(stage, key);
     }
   }
 
@@ -339,6 +340,13 @@ class Checks {
     if (stage.packing && stage.strain_rate.sum() == 0.0)
       throw error(key + ".packing", "has no effect unless strain_rate changes the volume of the box");
     if (stage.spin && scene_.box) throw error(key + ".spin", "a periodic box cannot spin");
+  }
+
+  void check_relax(const StageSpec& stage, const std::string& key) const {
+    if (!stage.relax) return;
+    if (stage.spin) throw error(key + ".relax", "a stage either relaxes or is spun; expected no 'spin'");
+    if (stage.strain_rate != Vec3::Zero())
+      throw error(key + ".relax", "a stage either relaxes or is strained; expected no 'strain_rate'");
   }
 
   void check_path(const std::vector<SpinPoint>& path, const std::string& key) const {

@@ -207,6 +207,12 @@ struct AssignSpec {
   std::string material;                  ///< empty: as it is
 };
 
+/// Takes energy out of the motion inside each pile of touching bodies, until it is quiet (see sim/relax.h).
+struct RelaxSpec {
+  std::optional<double> rate;  ///< 1/s, of the drag; absent: chosen for each pile
+  double quiet = 1e-6;         ///< the stage ends at this energy over |W|, or the elastic energy at its start
+};
+
 /// A stretch of the run with its own settings, or an operation on the bodies that takes no time.
 struct StageSpec {
   std::string name;
@@ -219,6 +225,7 @@ struct StageSpec {
   std::optional<double> stiffness;  ///< N/m; replaces contact.stiffness
   std::optional<double> time_step;  ///< s; replaces contact.time_step
   std::optional<SpinSpec> spin;
+  std::optional<RelaxSpec> relax;
   Vec3 strain_rate = Vec3::Zero();  ///< 1/s, d ln(edge) / dt of the box
   std::optional<double> packing;    ///< the strain ends at this volume of the bodies over that of the box
   std::optional<GravityMethod> gravity;  ///< replaces gravity.method

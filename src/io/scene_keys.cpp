@@ -323,6 +323,17 @@ const Keys<AssignSpec> kAssignKeys = {
     text("material", &AssignSpec::material, kReference, "name of a [[material]], theirs from now on"),
 };
 
+const Keys<RelaxSpec> kRelaxKeys = {
+    number(
+        "rate", &RelaxSpec::rate, "1/s", above(0, 1e12),
+        "of the drag; absent: 2 sqrt(k_N / m) / n^(1/3) for a pile of n bodies of mean mass m, at which it "
+        "swings as a whole"),
+    number(
+        "quiet", &RelaxSpec::quiet, "", above(0, 1),
+        "the stage ends when the energy of the motion inside the piles is below this times the gravitational "
+        "energy (without self-gravity: the elastic energy) at its start, after ten times 1 / rate"),
+};
+
 const Keys<StageSpec> kStageKeys = {
     text("name", &StageSpec::name, kName, "of its own").required(),
     number("duration", &StageSpec::duration, "s", kDuration,
@@ -341,6 +352,10 @@ const Keys<StageSpec> kStageKeys = {
     number("time_step", &StageSpec::time_step, "s", kDuration, "replaces contact.time_step"),
     table("spin", &StageSpec::spin, kSpinKeys,
           "Prescribed spin of the pile about z [Zhang et al. 2021, section 2.3]."),
+    table(
+        "relax", &StageSpec::relax, kRelaxKeys,
+        "Takes energy out: bodies that touch at the start of the stage are a pile; the motion of its bodies "
+        "less the rigid motion of the pile decays at a rate, what it loses is 'relaxed_work'. Momenta stay."),
     vector("strain_rate", &StageSpec::strain_rate, "1/s", magnitude(1e6),
            "growth rate of the edges of the box, d ln(edge)/dt; negative: compression"),
     number(

@@ -164,18 +164,24 @@ std::string describe(const Region& region) {
 
 }  // namespace
 
-std::string describe_operation(const Scene& scene, std::size_t index) {
+Region region_of(const Scene& scene, std::size_t index) {
   const StageSpec& stage = scene.stages[index];
   const std::string key = fmt::format("stage[{}].", index);
+  return stage.carve ? load_region(stage.carve->region, scene, key + "carve.region")
+                     : load_region(stage.assign->region, scene, key + "assign.region");
+}
+
+std::string describe_operation(const Scene& scene, std::size_t index) {
+  const StageSpec& stage = scene.stages[index];
   if (stage.carve)
     return fmt::format("carve: bodies {} {} stay, by {}", stage.carve->outside ? "outside" : "in",
-                       describe(load_region(stage.carve->region, scene, key + "carve.region")),
+                       describe(region_of(scene, index)),
                        stage.carve->whole ? "all of their spheres" : "their centres");
   if (stage.scale)
     return fmt::format("scale to {:g} kg/m^3 by {}", stage.scale->density,
                        stage.scale->by == ScaleBy::mass ? "mass" : "size");
   return fmt::format("assign: bodies {} {}", stage.assign->outside ? "outside" : "in",
-                     describe(load_region(stage.assign->region, scene, key + "assign.region")));
+                     describe(region_of(scene, index)));
 }
 
 void check_operations(const Scene& scene) {
@@ -196,7 +202,7 @@ std::string operate(const Scene& scene, std::size_t index, State& state,
   };
   place_spheres(state.bodies);
   if (stage.carve) {
-    const Region region = load_region(stage.carve->region, scene, key("carve.region"));
+    const Region region = region_of(scene, index);
     return doing(key("carve"), [&] { return carve(*stage.carve, region, state, contacts); });
   }
   if (stage.scale)
@@ -205,7 +211,7 @@ std::string operate(const Scene& scene, std::size_t index, State& state,
       check_bodies(state.bodies);
       return what;
     });
-  const Region region = load_region(stage.assign->region, scene, key("assign.region"));
+  const Region region = region_of(scene, index);
   return doing(key("assign"), [&] {
     std::string what = assign(*stage.assign, region, scene, state);
     check_bodies(state.bodies);

@@ -5,9 +5,13 @@
 #include <vector>
 
 #include "io/scene.h"
+#include "pile/region.h"
 #include "sim/state.h"
 
 namespace cairn {
+
+/// The region of stage `index`, which carves or assigns. @throws InputError when it cannot be read.
+Region region_of(const Scene& scene, std::size_t index);
 
 /// Does what stage `index` of the scene asks for to the bodies of `state` and to their contacts, those in
 /// `contacts` and with walls; returns in a few words what that was. Deterministic.

@@ -47,6 +47,7 @@ constexpr Column kColumns[] = {
     {&O::dissipated, "dissipated_work", "J", "lost in contacts since the start"},
     {&O::wall_work, "wall_work", "J", "done by moving walls since the start"},
     {&O::control_work, "control_work", "J", "done by spin control since the start"},
+    {&O::relaxed_work, "relaxed_work", "J", "taken out by stages that relax, since the start"},
     {&O::perturber_work, "perturber_work", "J", "done by perturbers since the start"},
     {&O::perturber_distance, "perturber_distance", "m", "of the nearest from the mass centre; NaN without"},
     {&O::momentum_x, "momentum_x", "kg m/s", "total"},
@@ -156,6 +157,7 @@ Observation observe(const Physics& physics, const State& state, Scratch& scratch
   o.dissipated = ledger.dissipated;
   o.wall_work = ledger.wall_work;
   o.control_work = ledger.control_work;
+  o.relaxed_work = ledger.relaxed;
   o.perturber_work = ledger.perturbers.work;
   o.perturber_distance = perturber_distance(physics, state, total.center);
   const Vec3& p = total.momentum;

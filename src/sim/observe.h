@@ -13,7 +13,8 @@ struct Observation {
   double time = 0.0, stage = 0.0, period = 0.0, spin_target = 0.0, axis_a = 0.0, axis_b = 0.0, axis_c = 0.0,
          b_over_a = 0.0, c_over_a = 0.0, all_b_over_a = 0.0, all_c_over_a = 0.0, wobble = 0.0;
   double kinetic = 0.0, rotational = 0.0, gravitational = 0.0, elastic = 0.0, dissipated = 0.0,
-         wall_work = 0.0, control_work = 0.0, field = 0.0, perturber_work = 0.0, perturber_distance = 0.0;
+         wall_work = 0.0, control_work = 0.0, relaxed_work = 0.0, field = 0.0, perturber_work = 0.0,
+         perturber_distance = 0.0;
   double momentum_x = 0.0, momentum_y = 0.0, momentum_z = 0.0, angular_x = 0.0, angular_y = 0.0,
          angular_z = 0.0;
   double agitation = 0.0;

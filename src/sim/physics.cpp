@@ -15,31 +15,6 @@ namespace cairn {
 
 namespace {
 
-/// Largest speed (m/s) at which two bodies meet at the start, were they to meet.
-double closing_speed(const Bodies& bodies) {
-  Vec3 momentum = Vec3::Zero();
-  double mass = 0.0;
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    momentum += bodies.mass[b] * bodies.velocity[b];
-    mass += bodies.mass[b];
-  }
-  const Vec3 drift = momentum / mass;
-  double first = 0.0, second = 0.0;
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    double reach = 0.0;
-    for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s)
-      reach = std::max(reach, bodies.spheres.offset[s].norm() + bodies.spheres.radius[s]);
-    const double speed = (bodies.velocity[b] - drift).norm() + reach * angular_velocity(bodies, b).norm();
-    if (speed > first) {
-      second = first;
-      first = speed;
-    } else {
-      second = std::max(second, speed);
-    }
-  }
-  return first + second;
-}
-
 double default_impact_speed(const Scene& scene, std::size_t stage, const Bodies& bodies,
                             const std::vector<Wall>& walls) {
   double speed = closing_speed(bodies);
@@ -72,22 +47,64 @@ std::vector<Material> wall_materials(const Scene& scene, std::size_t stage) {
   return out;
 }
 
-/// Cohesion alone must not press two spheres, or a sphere and a wall, together beyond the limit. The largest
-/// spheres are pressed most: c (2 beta R)^2 / k over the radius, R half a radius, or the radius on a wall.
-void check_cohesion(const Physics& p, const std::string& stage, const Bodies& bodies, bool walls) {
-  const auto& radii = bodies.spheres.radius;
-  double strongest = 0.0;
-  for (const PairLaw& law : p.contacts.laws) strongest = std::max(strongest, 0.25 * law.cohesion);
-  if (walls)
-    for (const Material& a : p.materials)
-      for (const Material& b : p.wall_materials)
-        strongest = std::max(strongest, make_pair_law(a, b, p.k_n).cohesion);
-  const double pull = strongest * *std::max_element(radii.begin(), radii.end());  // N/m
+/// What cohesion and walls ask of the contacts.
+ContactDemand demand_of(const std::vector<Material>& materials, const std::vector<Material>& walls) {
+  ContactDemand demand{.walls = !walls.empty()};
+  const auto strongest = [](double& pull, const Material& a, const Material& b) {
+    pull = std::max(pull, make_pair_law(a, b, 1.0).cohesion);
+  };
+  for (const Material& a : materials) {
+    for (const Material& b : materials) strongest(demand.cohesion, a, b);
+    for (const Material& b : walls) strongest(demand.wall_cohesion, a, b);
+  }
+  return demand;
+}
+
+/// Cohesion alone must not press two spheres, or a sphere and a wall, together beyond the limit.
+void check_cohesion(const Physics& p, const std::string& stage, const Bodies& bodies) {
+  const double pull = greatest_pull(bodies, demand_of(p.materials, p.wall_materials));
   if (pull <= p.overlap_limit * p.k_n) return;
   throw InputError(
       "stage '{}': cohesion presses spheres together by {:.3g} of their radius, overlap_limit is {:g}; a "
       "contact.stiffness of at least {:.3g} N/m is needed",
       stage, pull / p.k_n, p.overlap_limit, pull / p.overlap_limit);
+}
+
+/// "body 3 (size 2 m)"
+std::string name_body(const Bodies& bodies, std::uint32_t b) {
+  return fmt::format("body {} (size {:.4g} m)", b, bodies.length[b]);
+}
+
+/// "body 3 (size 2 m) and body 0 (size 400 m)"
+std::string name_both(const Bodies& bodies, const Encounter& encounter) {
+  const std::string body = name_body(bodies, encounter.body);
+  if (!encounter.other) return body + " and a wall";
+  if (*encounter.other == encounter.body) return body + " and one like it";
+  return body + " and " + name_body(bodies, *encounter.other);
+}
+
+std::string explain(const StiffnessChoice& choice, const ContactDemand& demand, const Bodies& bodies) {
+  const double radius = bodies.spheres.radius[choice.sphere];
+  const std::string both = name_both(bodies, choice.encounter);
+  if (choice.impact)
+    return fmt::format(
+        "for a blow of {} at {:.3g} m/s that presses sphere {} in by {:g} of its radius, {:.4g} m; "
+        "change impact_speed, contact.max_overlap or contact.stiffness for another",
+        both, demand.impact_speed, choice.sphere, demand.max_overlap, radius);
+  return fmt::format(
+      "for the load at rest between {}, which presses sphere {} in by {:g} of its radius, {:.4g} m; "
+      "change contact.max_overlap or contact.stiffness for another",
+      both, choice.sphere, demand.max_overlap, radius);
+}
+
+/// "normal mode of body 3 (size 2 m) and a wall"
+std::string explain(const ShortestContact& shortest, const Bodies& bodies) {
+  using Mode = ShortestContact::Mode;
+  return fmt::format("{} mode of {}",
+                     shortest.mode == Mode::normal    ? "normal"
+                     : shortest.mode == Mode::sliding ? "sliding"
+                                                      : "rolling",
+                     name_both(bodies, shortest.encounter));
 }
 
 /// Time step (s) of a stage in which nothing touches, when none is given: a hundredth of the shortest time in
@@ -136,15 +153,41 @@ void resolve_contacts(const Scene& scene, std::size_t index, const Bodies& bodie
   p.contacts.features = required_features(touching, contact.rolling_slip == RollingSlip::zhang2017);
   p.contacts.sphere_damping = contact.damping_mass == DampingMass::spheres;
 
-  check_cohesion(p, stage.name, bodies, !p.wall_materials.empty());
+  check_cohesion(p, stage.name, bodies);
 
   double shape_factor = 0.0;
   for (const Material& m : touching) shape_factor = std::max(shape_factor, m.shape_factor);
-  p.contact_time = shortest_contact_time(bodies, p.k_n, shape_factor, p.contacts.features.rolling,
-                                         !p.wall_materials.empty());
+  const ShortestContact shortest =
+      shortest_contact(bodies, p.k_n, shape_factor, p.contacts.features.rolling, !p.wall_materials.empty());
+  p.contact_time = shortest.time;
+  p.shortest_contact = explain(shortest, bodies);
 }
 
 }  // namespace
+
+double closing_speed(const Bodies& bodies) {
+  Vec3 momentum = Vec3::Zero();
+  double mass = 0.0;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    momentum += bodies.mass[b] * bodies.velocity[b];
+    mass += bodies.mass[b];
+  }
+  const Vec3 drift = momentum / mass;
+  double first = 0.0, second = 0.0;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    double reach = 0.0;
+    for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s)
+      reach = std::max(reach, bodies.spheres.offset[s].norm() + bodies.spheres.radius[s]);
+    const double speed = (bodies.velocity[b] - drift).norm() + reach * angular_velocity(bodies, b).norm();
+    if (speed > first) {
+      second = first;
+      first = speed;
+    } else {
+      second = std::max(second, speed);
+    }
+  }
+  return first + second;
+}
 
 bool can_touch(const Scene& scene, std::size_t index, const Bodies& bodies) {
   if (!contacts_of(scene, index)) return false;
@@ -153,32 +196,26 @@ bool can_touch(const Scene& scene, std::size_t index, const Bodies& bodies) {
   return bodies.size() > 1 || scene.box;
 }
 
-double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies,
-                         const std::vector<Wall>& walls, double held) {
+Stiffness resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies,
+                            const std::vector<Wall>& walls, double held) {
   const StageSpec& stage = scene.stages[index];
-  if (!can_touch(scene, index, bodies)) return held;
-  if (stage.stiffness) return *stage.stiffness;
-  if (scene.contact.stiffness) return *scene.contact.stiffness;
+  if (!can_touch(scene, index, bodies)) return {held, "that of the contacts so far"};
+  if (stage.stiffness) return {*stage.stiffness, "given by the stage"};
+  if (scene.contact.stiffness) return {*scene.contact.stiffness, "given by [contact]"};
   const bool quiet = walls.empty() && field_of(scene, index) == Vec3::Zero() &&
                      closing_speed(bodies) <= 2.0 * escape_speed(bodies);  // as in a pile that turns
-  if (held > 0.0 && quiet && !stage.impact_speed) return held;
-  ContactDemand demand{
-      .max_overlap = scene.contact.max_overlap,
-      .impact_speed = stage.impact_speed.value_or(default_impact_speed(scene, index, bodies, walls)),
-      .field = field_of(scene, index).norm(),
-      .self_gravity = gravity_of(scene, index) != GravityMethod::none,
-      .cohesion = 0.0,
-      .shape_factor = 0.0};
-  for (const Material& m : body_materials(scene, stage)) {
-    demand.cohesion = std::max(demand.cohesion, m.cohesion);
-    demand.shape_factor = std::max(demand.shape_factor, m.shape_factor);
-  }
-  const double k_n = choose_stiffness(bodies, demand);
-  if (!(k_n > 0.0))
+  if (held > 0.0 && quiet && !stage.impact_speed) return {held, "that of the contacts so far"};
+  ContactDemand demand = demand_of(body_materials(scene, stage), wall_materials(scene, index));
+  demand.max_overlap = scene.contact.max_overlap;
+  demand.impact_speed = stage.impact_speed.value_or(default_impact_speed(scene, index, bodies, walls));
+  demand.field = field_of(scene, index).norm();
+  demand.self_gravity = gravity_of(scene, index) != GravityMethod::none;
+  const StiffnessChoice choice = choose_stiffness(bodies, demand);
+  if (!(choice.k_n > 0.0))
     throw InputError(
         "stage '{}': nothing loads the contacts, so no stiffness can be chosen; give contact.stiffness",
         stage.name);
-  return k_n;
+  return {choice.k_n, explain(choice, demand, bodies)};
 }
 
 Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bodies, double k_n,
@@ -234,6 +271,7 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   p.field = field_of(scene, index);
   p.largest_radius = *std::max_element(bodies.spheres.radius.begin(), bodies.spheres.radius.end());
   p.spin = stage.spin;
+  p.relax = stage.relax;
   p.strain_rate = stage.strain_rate;
   constexpr double most = 0.1;  // of an edge in a step
   if (const double strain = p.strain_rate.cwiseAbs().maxCoeff() * dt; strain > most)
@@ -258,65 +296,6 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
                                                          : std::max(1e-3 * stage.duration, kStepsPerRow * dt);
   p.snapshot_interval = scene.output.snapshot_interval;
   return p;
-}
-
-std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies,
-                                  const std::vector<Wall>& walls) {
-  std::vector<std::string> out;
-  const auto& radii = bodies.spheres.radius;
-  const double of_walls = greatest_wall_speed(bodies, walls), speed = closing_speed(bodies) + of_walls,
-               smallest = *std::min_element(radii.begin(), radii.end());
-  const char* what = of_walls > 0.0 ? "bodies and walls" : "bodies";
-  const double dt = physics.contacts.dt;
-  double spin = 0.0;
-  for (std::size_t b = 0; b < bodies.size(); ++b) spin = std::max(spin, angular_velocity(bodies, b).norm());
-  const double overlap = speed * physics.contact_time / kPi / smallest;
-  if (overlap > physics.overlap_limit)
-    out.push_back(
-        fmt::format("{} that meet at {:.3g} m/s would overlap by about {:.2g} of the smallest "
-                    "radius; overlap_limit is {:g}: raise impact_speed or stiffness",
-                    what, speed, overlap, physics.overlap_limit));
-  if (physics.can_touch && speed * dt > 0.5 * smallest)
-    out.push_back(
-        fmt::format("{} move by {:.3g} of the smallest radius in a step and may pass through each "
-                    "other unseen",
-                    what, speed * dt / smallest));
-  constexpr double far = 0.3;  // rad
-  if (spin * dt > far)
-    out.push_back(
-        fmt::format("a body turns by {:.2g} rad in a step; its motion will not be accurate", spin * dt));
-  for (const gravity::Perturber& p : physics.perturbers) {
-    const double passage = std::sqrt(std::pow(closest(p.orbit), 3) / p.gm);
-    if (p.tidal && dt > 0.01 * passage)
-      out.push_back(
-          fmt::format("the time step of {:.3g} s is long for perturber '{}', which passes in about {:.3g} s",
-                      dt, p.name, passage));
-  }
-  for (std::size_t w = 0; w < walls.size(); ++w) {
-    const WallMotion& motion = walls[w].motion;
-    const double turn = motion.spin.norm() * dt;
-    const double swing = motion.amplitude == Vec3::Zero() ? 0.0 : 2.0 * kPi * motion.frequency * dt;
-    const auto say = [&](const char* does, double angle) {
-      if (angle > far)
-        out.push_back(fmt::format(
-            "wall {} {} by {:.2g} rad in a step; its motion will not be followed: take a time_step "
-            "of at most {:.2g} s",
-            w, does, angle, far / angle * dt));
-    };
-    say("turns", turn);
-    say("oscillates", swing);
-  }
-  if (bodies.cell_edge == 0.0) {  // with walls or a box places are counted from the zero of the scene
-    double reach = 0.0;
-    for (const Vec3& x : bodies.position) reach = std::max(reach, x.cwiseAbs().maxCoeff());
-    const double rounding = std::numeric_limits<double>::epsilon() * reach / smallest;
-    if (rounding > 1e-9)
-      out.push_back(
-          fmt::format("places {:.2g} m from the zero are rounded to {:.1g} of the smallest radius: count the "
-                      "positions of bodies and walls from a point near them, which [frame] can name",
-                      reach, rounding));
-  }
-  return out;
 }
 
 double packing_fraction(const Physics& physics, const Box& box) {
@@ -349,6 +328,7 @@ std::string describe_models(const Physics& physics, const Bodies& bodies, bool w
   for (const gravity::Perturber& p : physics.perturbers)
     text += fmt::format("; perturber '{}' ({})", p.name, p.tidal ? "tide" : "whole pull");
   if (physics.spin) text += "; spin control";
+  if (physics.relax) text += "; relaxes";
   if (physics.quiet_energy || physics.quiet_speed) text += "; ends when quiet";
   return text;
 }

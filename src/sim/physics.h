@@ -19,6 +19,7 @@ struct Physics {
   std::vector<Material> wall_materials;  ///< of each wall
   double k_n = 0.0;                      ///< N/m
   double contact_time = 0.0;             ///< s, shortest any contact can last; 0 where nothing can touch
+  std::string shortest_contact;          ///< which that is, in words
   double overlap_limit = 0.1;
   std::uint64_t steps = 0;  ///< of the stage
   GravityMethod gravity = GravityMethod::none;
@@ -32,6 +33,7 @@ struct Physics {
   double body_mass = 0.0;       ///< kg, of all bodies
   double largest_radius = 0.0;  ///< m, of a sphere
   std::optional<SpinSpec> spin;
+  std::optional<RelaxSpec> relax;
   Vec3 strain_rate = Vec3::Zero();                  ///< 1/s, of the periodic box
   std::optional<double> packing;                    ///< the strain ends there
   double body_volume = 0.0;                         ///< m^3, of all bodies
@@ -48,12 +50,18 @@ struct Physics {
 /// Whether anything can touch in stage `index`: it has contacts, and two bodies, a wall or images in a box.
 bool can_touch(const Scene& scene, std::size_t index, const Bodies& bodies);
 
-/// Normal stiffness (N/m) of stage `index` with its walls: given by the scene, or chosen for the bodies as
+/// A normal stiffness and where it comes from.
+struct Stiffness {
+  double k_n = 0.0;  ///< N/m
+  std::string why;   ///< in words; of a chosen one the bodies that ask for it, and what would change it
+};
+
+/// Normal stiffness of stage `index` with its walls: given by the scene, or chosen for the bodies as
 /// they are now. Where nothing but self-gravity is to be borne, it stays what contacts have `held` so far (0:
 /// none): stiffer ones would push a settled pile apart; and so where nothing can touch.
 /// @throws InputError when nothing loads the contacts and none is given.
-double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies,
-                         const std::vector<Wall>& walls, double held);
+Stiffness resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies,
+                            const std::vector<Wall>& walls, double held);
 
 /// Resolves stage `index` of the scene for these bodies at stiffness k_n. Depends on their motion only where
 /// nothing can touch and no time step is given: this follows from their spins at the start of the stage, and
@@ -62,11 +70,8 @@ double resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bo
 Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bodies, double k_n,
                         double held = 0.0);
 
-/// What looks wrong about the motion of bodies and walls at the start of a stage: blows deeper than the
-/// overlap limit, what could pass through each other unseen, turns or swings too far in one step, or is too
-/// far away.
-std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies,
-                                  const std::vector<Wall>& walls);
+/// Largest speed (m/s) at which two bodies meet at the start, were they to meet.
+double closing_speed(const Bodies& bodies);
 
 /// The part of the box that the bodies fill; those glued of overlapping spheres count by their mass model.
 double packing_fraction(const Physics& physics, const Box& box);

@@ -14,8 +14,10 @@
 #include "sim/fields.h"
 #include "sim/make_perturbers.h"
 #include "sim/make_walls.h"
+#include "sim/relax.h"
 #include "sim/spin_control.h"
 #include "sim/wall_columns.h"
+#include "sim/warnings.h"
 
 namespace cairn {
 
@@ -89,7 +91,7 @@ void Run::check_stages(std::size_t first) const {
   double held = state_.k_n;
   for (std::size_t k = first; k < scene_.stages.size(); ++k) {
     if (scene_.stages[k].operates()) continue;
-    held = resolve_stiffness(scene_, k, state_.bodies, walls_of_stage(scene_, k, walls_), held);
+    held = resolve_stiffness(scene_, k, state_.bodies, walls_of_stage(scene_, k, walls_), held).k_n;
     resolve_physics(scene_, k, state_.bodies, held);
   }
 }
@@ -102,7 +104,7 @@ void Run::write_bodies(const std::string& suffix) {
 std::vector<std::string> Run::warnings() const {
   if (scene_.stages[0].operates()) return {};
   const std::vector<Wall> walls = walls_of_stage(scene_, 0, walls_);
-  const double k_n = resolve_stiffness(scene_, 0, state_.bodies, walls, state_.k_n);
+  const double k_n = resolve_stiffness(scene_, 0, state_.bodies, walls, state_.k_n).k_n;
   return cairn::warnings(resolve_physics(scene_, 0, state_.bodies, k_n), state_.bodies, walls);
 }
 
@@ -230,18 +232,20 @@ std::optional<FormerStage> Run::former_stage(double k_n) const {
 void Run::start_stage() {
   Clock& clock = state_.clock;
   set_walls(scene_, clock.stage, walls_, state_.stage_starts, state_.walls);
-  const double held = state_.k_n;
-  const double k_n = resolve_stiffness(scene_, clock.stage, state_.bodies, state_.walls.walls, held);
-  physics_ = resolve_physics(scene_, clock.stage, state_.bodies, k_n);
-  const std::optional<FormerStage> former = former_stage(held);
+  const double former_k = state_.k_n;
+  const Stiffness chosen =
+      resolve_stiffness(scene_, clock.stage, state_.bodies, state_.walls.walls, former_k);
+  physics_ = resolve_physics(scene_, clock.stage, state_.bodies, chosen.k_n);
+  const double held = held_energy(scene_, clock.stage, physics_, state_, inherited_);
+  const std::optional<FormerStage> former = former_stage(former_k);
   begin_stage(physics_, std::exchange(inherited_, {}), state_, scratch_, former ? &*former : nullptr);
   clock.steps = physics_.steps;
   clock.dt = physics_.contacts.dt;
   begin_control(physics_, state_);
   warn(control_warnings(physics_, state_));
   look();
-  const double freed = k_n > held && held > 0.0 ? (1.0 - held / k_n) * last_.elastic : 0.0;
-  burst_ = last_.gravitational < 0.0 ? freed / -last_.gravitational : 0.0;
+  start_energy_ = cairn::start_energy(physics_, state_, last_, held, former_k);
+  announce_start(chosen.why);
   if (clock.total_steps == 0 && epoch_ == 0) add_snapshot();
 }
 
@@ -376,6 +380,7 @@ void Run::leave_stage() {
     if (!state_.walls.empty()) state_.ledger.rebase = true;
   }
   state_.gravity = gravity::HeldGravity{};
+  state_.relaxation = Relaxation{};
   clock.stage_start = clock.time();
   ++clock.stage;
   clock.step = clock.steps = 0;
@@ -391,6 +396,20 @@ bool Run::checkpoint_asked() {
   if (now - last_commit_ > std::max(scene_.output.checkpoint_interval, commit_seconds_ / kCommitPart))
     commit(false);
   return false;
+}
+
+void Run::announce_start(const std::string& why_so_stiff) const {
+  const std::string& name = scene_.stages[state_.clock.stage].name;
+  if (listener_.announce)
+    listener_.announce(fmt::format(
+        "stage '{}': stiffness {:.4g} N/m, {}; time step {:.4g} s, shortest contact {:.4g} s, the {}", name,
+        physics_.k_n, why_so_stiff, physics_.contacts.dt, physics_.contact_time, physics_.shortest_contact));
+  if (!start_energy_.counts()) return;
+  const std::string line = fmt::format("stage '{}': {}", name, describe(start_energy_, state_.bodies));
+  if (!start_energy_.relaxes)
+    warn({line});
+  else if (listener_.announce)
+    listener_.announce(line);
 }
 
 void Run::announce_failure() const {

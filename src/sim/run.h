@@ -10,6 +10,7 @@
 #include "sim/physics.h"
 #include "sim/setup.h"
 #include "sim/stage_report.h"
+#include "sim/start_energy.h"
 #include "sim/step.h"
 
 namespace cairn {
@@ -67,9 +68,9 @@ class Run {
   const std::filesystem::path& path() const { return results_.path(); }
   std::size_t sphere_count() const { return state_.bodies.spheres.size(); }
   std::size_t stages() const { return scene_.stages.size(); }
-  /// What the overlaps that a stage began with hold beyond what they held before, because its contacts are
-  /// stiffer, over the pile's gravitational energy; 0 without self-gravity.
-  double burst() const { return burst_; }
+  /// What the contacts of the stage held at its start beyond what they held before; nothing after a resume
+  /// within it.
+  const StartEnergy& start_energy() const { return start_energy_; }
 
  private:
   Run(Scene scene, ResultFile results, Operation operation)
@@ -88,6 +89,7 @@ class Run {
   StageReport end_stage(std::string what, double seconds);
   void prepare_bodies();
   void look();
+  void announce_start(const std::string& why_so_stiff) const;
   void announce_failure() const;
   void warn(const std::vector<std::string>& lines) const;
   bool checkpoint_asked();
@@ -105,7 +107,7 @@ class Run {
   std::uint64_t epoch_ = 0;  ///< operations done
   std::vector<std::string> differences_;
   double link_gap_ = 0.0;  ///< m
-  double burst_ = 0.0;
+  StartEnergy start_energy_;
   State state_;
   Physics physics_;
   Scratch scratch_;

@@ -50,6 +50,13 @@ struct Control {
   bool operator==(const Control&) const = default;
 };
 
+/// A stage that relaxes (see relax.h).
+struct Relaxation {
+  std::vector<std::uint32_t> pile;  ///< number of each body's pile; empty: the stage does not relax
+  double scale = 0.0;               ///< J, with which the energy of the motion inside the piles is compared
+  std::uint64_t look = 1;           ///< steps from one look at that energy to the next
+};
+
 /// What perturbers do to all bodies together at one moment.
 struct PerturberRates {
   Vec3 force = Vec3::Zero();   ///< N
@@ -78,6 +85,7 @@ struct Ledger {
   double wall_work = 0.0;                ///< J, done by moving walls
   double wall_power = 0.0;               ///< W, of the walls at the last evaluation
   double control_work = 0.0;             ///< J, done by spin control
+  double relaxed = 0.0;                  ///< J, taken out by stages that relax
   Vec3 control_momentum = Vec3::Zero();  ///< kg m^2/s, angular momentum given by spin control
   PerturberLedger perturbers;
   Vec3 field_momentum = Vec3::Zero();  ///< kg m/s, given by uniform fields in former stages
@@ -99,6 +107,7 @@ struct State {
   gravity::HeldGravity gravity;
   Clock clock;
   Control control;
+  Relaxation relaxation;
   Ledger ledger;
   double k_n = 0.0;                   ///< N/m, normal stiffness of the stage
   double region_volume = 0.0;         ///< m^3, of the region last carved; 0: none, or the pile has failed

@@ -17,6 +17,7 @@
 #include "gravity/conserve.h"
 #include "motion/drift.h"
 #include "sim/agitation.h"
+#include "sim/relax.h"
 #include "sim/spin_control.h"
 
 namespace cairn {
@@ -374,6 +375,7 @@ void begin_stage(const Physics& physics, std::vector<ContactRecord> contacts, St
   if (physics.gravity != GravityMethod::none) renew_gravity(physics, state, scratch);
   evaluate_forces(physics, still, 0.0, state, scratch);
   add_perturbers(physics, 0.0, state, scratch.perturbers);
+  begin_relaxation(physics, state, scratch);
 }
 
 void step(const Physics& physics, State& state, Scratch& scratch) {
@@ -418,11 +420,17 @@ void step(const Physics& physics, State& state, Scratch& scratch) {
     ScopedTimer timer(time_of(scratch, Phase::control));
     control_spin(physics, scratch.everyone, state);
   }
+  if (physics.relax) {
+    ScopedTimer timer(time_of(scratch, Phase::control));
+    relax(physics, state, scratch);
+  }
 }
 
 std::string why_stage_ends(const Physics& physics, const State& state, Scratch& scratch) {
   const Clock& clock = state.clock;
   if (clock.step >= clock.steps) return "the end of its duration";
+  if (physics.relax && relaxed(physics, state, scratch))
+    return fmt::format("relaxed after {:.6g} s", clock.stage_time());
   if (is_quiet(physics, state, scratch)) return fmt::format("quiet after {:.6g} s", clock.stage_time());
   if (failed_long_ago(physics, state)) return "some time after failure";
   return {};

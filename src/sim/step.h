@@ -34,6 +34,7 @@ struct Scratch {
   gravity::Wrenches wrenches;                    ///< of gravity, on bodies
   std::vector<Vec3> body_places, sphere_places;  ///< for gravity
   PerturberScratch perturbers;
+  std::vector<std::vector<std::uint32_t>> piles;  ///< bodies of each pile that relaxes
   PhaseTimes times{};
 };
 

@@ -8,6 +8,7 @@
 #include "physics/report.h"
 #include "physics/scenes.h"
 #include "shape/library.h"
+#include "sim/warnings.h"
 
 namespace cairn {
 namespace {

@@ -8,6 +8,7 @@
 #include "core/random.h"
 #include "physics/report.h"
 #include "physics/scenes.h"
+#include "sim/warnings.h"
 
 namespace cairn {
 namespace {

@@ -7,6 +7,7 @@
 #include "physics/report.h"
 #include "physics/scenes.h"
 #include "sim/observe.h"
+#include "sim/warnings.h"
 
 namespace cairn {
 namespace {

@@ -72,13 +72,15 @@ TEST(ShortestContact, OfLooseSpheresIsHalfAPeriodOfTheirReducedMass) {
   const Bodies bodies = collection({"sphere"}, {2.0});
   const double m = bodies.mass[0];
   EXPECT_NEAR(
-      shortest_contact_time(bodies, kStiffness, 0.5, false, false) / (kPi * std::sqrt(0.5 * m / kStiffness)),
+      shortest_contact(bodies, kStiffness, 0.5, false, false).time / (kPi * std::sqrt(0.5 * m / kStiffness)),
       1.0, 1e-3);
-  // The lightest pair counts.
+  // The lightest pair counts: of three, there is only one of the lightest.
   const Bodies mixed = collection({"sphere"}, {2.0, 1.0, 5.0});
-  EXPECT_NEAR(shortest_contact_time(mixed, kStiffness, 0.5, false, false) /
-                  (kPi * std::sqrt(0.5 * mixed.mass[1] / kStiffness)),
-              1.0, 1e-3);
+  const double mu = mixed.mass[0] * mixed.mass[1] / (mixed.mass[0] + mixed.mass[1]);
+  const ShortestContact found = shortest_contact(mixed, kStiffness, 0.5, false, false);
+  EXPECT_NEAR(found.time / (kPi * std::sqrt(mu / kStiffness)), 1.0, 1e-3);
+  EXPECT_EQ(found.encounter.body, 1u);
+  EXPECT_EQ(found.encounter.other, 0u);
 }
 
 // A ball of a tenth of unit inertia has 1 + 1 / 0.1 times the mobility of its mass in the plane.
@@ -91,21 +93,21 @@ TEST(ShortestContact, OfABodyThatTurnsEasilyIsTangential) {
                          .mass_fractions = {1.0}};
   Bodies bodies;
   add_body(bodies, light, 0, 1.0, 1000.0, 0, {});
-  EXPECT_NEAR(shortest_contact_time(bodies, kStiffness, 0.5, false, false) /
+  EXPECT_NEAR(shortest_contact(bodies, kStiffness, 0.5, false, false).time /
                   (kPi / std::sqrt(2.0 * 2.0 / 7.0 * kStiffness * 11.0 / 1000.0)),
               1.0, 1e-12);
 }
 
 TEST(ShortestContact, ScalesWithStiffnessAndMass) {
   const Bodies bodies = collection({"rod4"}, {1.0}), large = collection({"rod4"}, {2.0});
-  const double t = shortest_contact_time(bodies, kStiffness, 0.5, true, true);
-  EXPECT_NEAR(shortest_contact_time(bodies, 4.0 * kStiffness, 0.5, true, true), 0.5 * t, 1e-12 * t);
-  EXPECT_NEAR(shortest_contact_time(large, kStiffness, 0.5, true, true), std::sqrt(8.0) * t, 1e-9 * t);
+  const double t = shortest_contact(bodies, kStiffness, 0.5, true, true).time;
+  EXPECT_NEAR(shortest_contact(bodies, 4.0 * kStiffness, 0.5, true, true).time, 0.5 * t, 1e-12 * t);
+  EXPECT_NEAR(shortest_contact(large, kStiffness, 0.5, true, true).time, std::sqrt(8.0) * t, 1e-9 * t);
 }
 
 /// No contact found by a random search has a mode faster than the bound, and some come close.
 void expect_bound(const Bodies& bodies, double beta, bool walls, double reach) {
-  const double bound = std::pow(kPi / shortest_contact_time(bodies, kStiffness, beta, true, walls), 2);
+  const double bound = std::pow(kPi / shortest_contact(bodies, kStiffness, beta, true, walls).time, 2);
   Random random(1, 0);
   const auto sphere = [&] {
     return static_cast<std::uint32_t>(random.uniform() * static_cast<double>(bodies.spheres.size()));
@@ -114,11 +116,14 @@ void expect_bound(const Bodies& bodies, double beta, bool walls, double reach) {
   int worst = -1;
   for (int k = 0; k < 40'000; ++k) {
     const Vec3 n = random.direction();
-    const Side a = touch(bodies, sphere(), n, random.rotation()),
-               b = touch(bodies, sphere(), -n, random.rotation());
+    const std::uint32_t i = sphere(), j = sphere();
+    const bool meet =
+        bodies.size() == 1 || bodies.spheres.body[i] != bodies.spheres.body[j];  // one: with its like
+    const Side a = touch(bodies, i, n, random.rotation()), b = touch(bodies, j, -n, random.rotation());
     const Side wall{0.0, 1e300, Mat3::Zero(), Mat3::Zero()};
     for (int kind = 0; kind < 4; ++kind) {
-      const double pair = fastest_mode(a, b, n, a.radius * b.radius / (a.radius + b.radius), beta, kind);
+      const double pair =
+          meet ? fastest_mode(a, b, n, a.radius * b.radius / (a.radius + b.radius), beta, kind) : 0.0;
       const double mode = walls ? std::max(pair, fastest_mode(a, wall, n, a.radius, beta, kind)) : pair;
       if (mode > found) {
         found = mode;
@@ -149,33 +154,110 @@ TEST(ShortestContact, NoContactWithALargePatchIsFaster) {
 }
 
 TEST(Stiffness, KeepsABlowUnderTheOverlapAskedFor) {
-  const Bodies bodies = collection({"cube", "sphere"}, {1.0});
+  const Bodies bodies = collection({"cube", "sphere"}, {1.0, 1.0});
   const double speed = 0.4;
-  const double k = choose_stiffness(bodies, {.max_overlap = 0.01, .impact_speed = speed});
+  const StiffnessChoice chosen = choose_stiffness(bodies, {.max_overlap = 0.01, .impact_speed = speed});
   const double heaviest = *std::max_element(bodies.mass.begin(), bodies.mass.end());
-  const double overlap = speed * std::sqrt(0.5 * heaviest / k);  // elastic blow of two of the heaviest
-  EXPECT_LE(overlap, 0.01);
-  EXPECT_GE(overlap, 0.005);
-  EXPECT_EQ(choose_stiffness(bodies, {}), 0.0);
-  EXPECT_DOUBLE_EQ(choose_stiffness(bodies, {.max_overlap = 0.01, .impact_speed = 2.0 * speed}), 4.0 * k);
+  const double radius = *std::min_element(bodies.spheres.radius.begin(), bodies.spheres.radius.end());
+  const double overlap =
+      speed * std::sqrt(0.5 * heaviest / chosen.k_n);  // elastic blow of two of the heaviest
+  EXPECT_LE(overlap, 0.01 * radius);
+  EXPECT_GE(overlap, 0.005 * radius);
+  EXPECT_TRUE(chosen.impact);
+  EXPECT_EQ(choose_stiffness(bodies, {}).k_n, 0.0);
+  EXPECT_DOUBLE_EQ(choose_stiffness(bodies, {.max_overlap = 0.01, .impact_speed = 2.0 * speed}).k_n,
+                   4.0 * chosen.k_n);
+}
+
+/// The greatest k of any pair, by trying all.
+double stiffness_of_all_pairs(const Bodies& bodies, double aim, double speed, double cohesion) {
+  double k = 0.0;
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const double a = bodies.length[i], b = bodies.length[j], least = std::min(a, b),
+                   radius = a * b / (a + b);
+      k = std::max({k, std::min(bodies.mass[i], bodies.mass[j]) * std::pow(speed / (aim * least), 2),
+                    cohesion * radius * radius / (aim * least)});
+    }
+  return k;
+}
+
+TEST(Stiffness, OfManySizesIsTheGreatestOfAllPairsThatCanMeet) {
+  Random random(3, 0);
+  for (int trial = 0; trial < 200; ++trial) {
+    Bodies bodies;
+    const RigidShape sphere = make_rigid(load_shape("sphere", "."), MassModel::union_volume);
+    const int count = 2 + static_cast<int>(8.0 * random.uniform());
+    for (int k = 0; k < count; ++k)
+      add_body(bodies, sphere, 0, std::exp(6.0 * random.uniform()), 1000.0 * std::exp(4.0 * random.uniform()),
+               0, {});
+    const ContactDemand blow{.max_overlap = 0.02, .impact_speed = 0.7};
+    EXPECT_NEAR(choose_stiffness(bodies, blow).k_n / stiffness_of_all_pairs(bodies, 0.02, 0.7, 0.0), 1.0,
+                1e-12);
+    const ContactDemand glue{.max_overlap = 0.02, .cohesion = 40.0};
+    EXPECT_NEAR(choose_stiffness(bodies, glue).k_n / stiffness_of_all_pairs(bodies, 0.02, 0.0, 40.0), 1.0,
+                1e-12);
+    EXPECT_NEAR(greatest_pull(bodies, glue) / stiffness_of_all_pairs(bodies, 1.0, 0.0, 40.0), 1.0, 1e-12);
+  }
+}
+
+// A boulder of half a metre falls on a monolith of 400 m: its effective mass is the boulder's. The heaviest
+// mass over the smallest radius would be 5e8 times as much.
+TEST(Stiffness, OfABoulderOnAMonolithIsTheBoulders) {
+  const Bodies bodies = collection({"sphere"}, {400.0, 0.5});
+  const double speed = escape_speed(bodies);
+  EXPECT_NEAR(speed / std::sqrt(2.0 * kGravitationalConstant * bodies.mass[0] / 400.0), 1.0, 1e-12);
+  const StiffnessChoice chosen = choose_stiffness(
+      bodies, {.max_overlap = 0.01, .impact_speed = speed, .self_gravity = true, .cohesion = 100.0});
+  const double mu = bodies.mass[0] * bodies.mass[1] / (bodies.mass[0] + bodies.mass[1]);
+  EXPECT_NEAR(chosen.k_n / (mu * std::pow(speed / (0.01 * 0.5), 2)), 1.0, 1e-6);
+  EXPECT_TRUE(chosen.impact);
+  EXPECT_EQ(chosen.sphere, 1u);
+  EXPECT_EQ(chosen.encounter.body, 1u);
+  EXPECT_EQ(chosen.encounter.other, 0u);
+  // On a wall the monolith asks for more.
+  const StiffnessChoice on_wall =
+      choose_stiffness(bodies, {.max_overlap = 0.01, .impact_speed = speed, .walls = true});
+  EXPECT_NEAR(on_wall.k_n / (bodies.mass[0] * std::pow(speed / (0.01 * 400.0), 2)), 1.0, 1e-12);
+  EXPECT_FALSE(on_wall.encounter.other.has_value());
 }
 
 TEST(Stiffness, BearsCohesionPressureAndColumns) {
   const Bodies bodies = collection({"sphere"}, std::vector<double>(1000, 2.0));
   const double mass = bodies.mass[0], aim = 0.02;
-  EXPECT_NEAR(choose_stiffness(bodies, {.max_overlap = 0.01, .cohesion = 300.0, .shape_factor = 0.4}) * aim,
-              300.0 * std::pow(0.4 * 2.0, 2), 1e-9);
+  // c (2 beta R)^2, R = 1 m between two balls of 2 m, 2 m on a wall.
+  const double pull = 300.0 * std::pow(2.0 * 0.4, 2);
+  EXPECT_NEAR(choose_stiffness(bodies, {.max_overlap = 0.01, .cohesion = pull}).k_n * aim, pull, 1e-9);
+  EXPECT_NEAR(choose_stiffness(bodies, {.max_overlap = 0.01, .wall_cohesion = pull, .walls = true}).k_n * aim,
+              4.0 * pull, 1e-9);
   // Ten bodies above each other, eight times the mean load.
   EXPECT_NEAR(
-      choose_stiffness(bodies, {.max_overlap = 0.01, .field = 1e-3}) * aim / (8.0 * 1e-3 * mass * 10.0), 1.0,
-      1e-12);
+      choose_stiffness(bodies, {.max_overlap = 0.01, .field = 1e-3}).k_n * aim / (8.0 * 1e-3 * mass * 10.0),
+      1.0, 1e-12);
   // Pressure at the centre of a ball of the pile's mass: 3 G M^2 / (8 pi R^4).
   const double radius = 2.0 * std::cbrt(1000.0 / 0.6);
   const double pressure =
       3.0 * kGravitationalConstant * std::pow(1000.0 * mass, 2) / (8.0 * kPi * std::pow(radius, 4));
-  EXPECT_NEAR(choose_stiffness(bodies, {.max_overlap = 0.01, .self_gravity = true}) * aim /
+  EXPECT_NEAR(choose_stiffness(bodies, {.max_overlap = 0.01, .self_gravity = true}).k_n * aim /
                   (8.0 * pressure * kPi * 4.0),
               1.0, 1e-9);
+}
+
+// A sphere bears the pressure times its own area, over its own radius: the largest asks for most.
+TEST(Stiffness, OfALoadGrowsWithTheLargestSphereNotWithTheRatioOfSizes) {
+  std::vector<double> sizes(1000, 1.0);
+  sizes[10] = sizes[20] = 8.0;
+  const Bodies bodies = collection({"sphere"}, sizes);
+  const StiffnessChoice chosen = choose_stiffness(bodies, {.max_overlap = 0.01, .field = 1e-3});
+  double mass = 0.0, cubes = 0.0;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    mass += bodies.mass[b];
+    cubes += std::pow(bodies.length[b], 3);
+  }
+  const double column = 8.0 * 1e-3 * mass / std::pow(cubes, 2.0 / 3.0);  // N/m^2
+  EXPECT_NEAR(chosen.k_n / (column * 8.0 / 0.01), 1.0, 1e-12);
+  EXPECT_EQ(chosen.encounter.body, 10u);
+  EXPECT_EQ(chosen.encounter.other, 20u);
 }
 
 TEST(Stiffness, EscapeSpeedIsThatOfTheBallTheBodiesWouldMake) {

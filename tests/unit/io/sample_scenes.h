@@ -249,6 +249,10 @@ field = [0, 0, -9.81]
 quiet_speed = 0.01
 quiet_interval = 5
 [[stage]]
+name = "relax"
+duration = 100
+relax = { rate = 2, quiet = 1e-5 }
+[[stage]]
 name = "settle"
 duration = 100
 quiet_energy = 1e-6

@@ -267,6 +267,14 @@ TEST(SceneErrors, Stages) {
         "s.toml:7:31: key 'stage[0].spin.path[2]': expected a time after 5 s, found 5"},
        {"spin.path = [[-1, 10]]",
         "s.toml:7:15: key 'stage[0].spin.path[0][0]': expected 0 <= x <= 1e15 in s, found -1"},
+       {"spin.path = [[0, 10]]\nrelax = {}",
+        "s.toml:8:9: key 'stage[0].relax': a stage either relaxes or is spun; expected no 'spin'"},
+       {"strain_rate = [1, 0, 0]\nrelax = {}\n[gravity]\nmethod = 'none'\n[box]\nsize = [9, 9, 9]",
+        "s.toml:8:9: key 'stage[0].relax': a stage either relaxes or is strained; expected no 'strain_rate'"},
+       {"relax = { rate = 0 }",
+        "s.toml:7:18: key 'stage[0].relax.rate': expected 0 < x <= 1e12 in 1/s, found 0"},
+       {"[[stage]]\nname = 'x'\nscale = { density = 1, volume = 1 }\nrelax = {}",
+        "s.toml:10:9: key 'stage[1].relax': has no effect in a stage that carves, scales or assigns"},
        {"[contact]\noverlap_limit = 0.001",
         "s.toml:8:17: key 'contact.overlap_limit': expected max_overlap <= overlap_limit, found 0.01 and "
         "0.001"}});

@@ -42,12 +42,22 @@ State state_of_many_numbers() {
   s.clock = {2, 30, 40, 500, number(), number()};
   s.control = {true,     true,     true,     number(), number(), number(), number(), number(),
                number(), number(), number(), number(), number(), number(), number(), 77};
+  s.relaxation = {{0, 1, 0}, number(), 12};
   s.frame = {vector(), vector()};
   s.shift = {vector(), vector()};
-  s.ledger = {number(), number(), number(),
-              number(), vector(), {number(), vector(), vector(), {vector(), vector(), number()}},
-              vector(), true,     number(),
-              number(), vector(), vector()};
+  s.ledger = {number(),
+              number(),
+              number(),
+              number(),
+              number(),
+              vector(),
+              {number(), vector(), vector(), {vector(), vector(), number()}},
+              vector(),
+              true,
+              number(),
+              number(),
+              vector(),
+              vector()};
   s.k_n = number();
   s.region_volume = number();
   s.stage_starts = {0.0, number(), number()};
@@ -131,6 +141,10 @@ TEST(Checkpoint, HoldsTheWholeState) {
   EXPECT_TRUE(r.control == s.control);
   EXPECT_EQ(r.ledger.dissipated, s.ledger.dissipated);
   EXPECT_EQ(r.ledger.control_work, s.ledger.control_work);
+  EXPECT_EQ(r.ledger.relaxed, s.ledger.relaxed);
+  EXPECT_EQ(r.relaxation.pile, s.relaxation.pile);
+  EXPECT_EQ(r.relaxation.scale, s.relaxation.scale);
+  EXPECT_EQ(r.relaxation.look, s.relaxation.look);
   EXPECT_EQ(r.ledger.control_momentum, s.ledger.control_momentum);
   EXPECT_EQ(r.ledger.perturbers.work, s.ledger.perturbers.work);
   EXPECT_EQ(r.ledger.perturbers.momentum, s.ledger.perturbers.momentum);

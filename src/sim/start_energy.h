@@ -1,0 +1,45 @@
+// Whether the contacts hold more energy at the start of a stage than the bodies can take: spheres that were
+// put into each other, or that have settled with softer contacts, push a pile apart.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/observe.h"
+#include "sim/physics.h"
+#include "sim/state.h"
+
+namespace cairn {
+
+/// What the contacts hold at the start of a stage beyond what they held before.
+struct StartEnergy {
+  double excess = 0.0;    ///< J
+  double scale = 0.0;     ///< J, what it is compared with
+  const char* of = "";    ///< which that is
+  Pair deepest{0, 0};     ///< spheres with the greatest overlap; i == j: none touch
+  double overlap = 0.0;   ///< of them, over the smaller radius
+  double stiffer = 1.0;   ///< the stiffness over that of the contacts before
+  bool relaxes = false;   ///< the stage takes it out
+  double duration = 0.0;  ///< s, that a stage which takes it out will need, roughly
+
+  /// excess over scale; 0 for contacts that hold no more than before.
+  double ratio() const;
+  /// Whether that is worth a warning.
+  bool counts() const { return ratio() > 0.01; }
+};
+
+/// Energy (J) at the places now that contacts which stage `index` inherits held in balance before: 0 for
+/// bodies put together anew, or scaled since. `state` is as before begin_stage.
+double held_energy(const Scene& scene, std::size_t index, const Physics& physics, const State& state,
+                   const std::vector<ContactRecord>& contacts);
+
+/// What is beyond `held` (J), compared with the gravitational energy, or where there is no self-gravity with
+/// the energy of the motion in the pile or the work of the field over a radius, the larger of them. `state`
+/// and its observation are as after begin_stage; `former` (N/m): stiffness before.
+StartEnergy start_energy(const Physics& physics, const State& state, const Observation& observation,
+                         double held, double former);
+
+/// One line for people: what the contacts hold, the deepest pair, and what to do.
+std::string describe(const StartEnergy& energy, const Bodies& bodies);
+
+}  // namespace cairn
