@@ -124,10 +124,14 @@ void check_mesh(const CheckOptions& options) {
   const PrincipalFrame frame = principal_frame(mass.inertia / mass.volume);
   const Vec3 axes = 2.0 * equivalent_ellipsoid(mass);
   const auto triple = [](const Vec3& v) { return fmt::format("{:.9g} {:.9g} {:.9g}", v.x(), v.y(), v.z()); };
-  fmt::print("{}: the closed surface of one solid, {} facets, {} vertices\n", options.mesh.string(),
-             surface.triangles.size(), surface.vertices.size());
+  fmt::print("{}: the closed surface of one solid, {} facets{}, {} vertices\n", options.mesh.string(),
+             solid.facets,
+             solid.facets == surface.triangles.size()
+                 ? ""
+                 : fmt::format(" cut into {} triangles", surface.triangles.size()),
+             surface.vertices.size());
   for (const std::string& repair : solid.repairs) fmt::print("  repaired      {}\n", repair);
-  if (!solid.warning.empty()) fmt::print("  warning       {}\n", solid.warning);
+  for (const std::string& note : solid.notes) fmt::print("  note          {}\n", note);
   if (solid.cavities > 0) fmt::print("  cavities      {}\n", solid.cavities);
   fmt::print("  volume        {:.9g} m^3 (ball of radius {:.9g} m)\n", mass.volume,
              std::cbrt(mass.volume / (4.0 / 3.0 * kPi)));
@@ -151,7 +155,7 @@ void fit_shape(const FitCommandOptions& options) {
   const FileDescriptor old = claim(output, options.force);
   const SolidMesh solid = load_solid(options.mesh, options.unit);
   for (const std::string& repair : solid.repairs) fmt::print("repaired: {}\n", repair);
-  if (!solid.warning.empty()) spdlog::warn("{}: {}", options.mesh.string(), solid.warning);
+  for (const std::string& note : solid.notes) spdlog::warn("{}: {}", options.mesh.string(), note);
   Shape shape = naming(options.mesh.string(), [&] {
     FitLine line;
     FitOptions fit = options.fit;
@@ -245,7 +249,9 @@ void add_shape_commands(CLI::App& app) {
   auto check = std::make_shared<CheckOptions>();
   CLI::App* check_command =
       shape->add_subcommand("check", "is a mesh the surface of a solid; its volume, moments and axes");
-  check_command->add_option("mesh", check->mesh, "OBJ, STL, PLY or OFF file")->required();
+  check_command
+      ->add_option("mesh", check->mesh, "mesh file: OBJ, STL, PLY, OFF, a table of facets or radii, others")
+      ->required();
   check_command->add_option("--unit", check->unit, "metres of one unit of the file")->check(unit);
   check_command->add_option("-o,--output", check->output,
                             "write the mesh to this OBJ file, centred and turned to its principal axes");
@@ -255,7 +261,9 @@ void add_shape_commands(CLI::App& app) {
   auto fit = std::make_shared<FitCommandOptions>();
   CLI::App* fit_command =
       shape->add_subcommand("fit", "glue spheres to stand for a mesh; writes a shape file");
-  fit_command->add_option("mesh", fit->mesh, "OBJ, STL, PLY or OFF file")->required();
+  fit_command
+      ->add_option("mesh", fit->mesh, "mesh file: OBJ, STL, PLY, OFF, a table of facets or radii, others")
+      ->required();
   fit_command->add_option("--unit", fit->unit, "metres of one unit of the file")->check(unit);
   CLI::Option_group* goal = fit_command->add_option_group("goal", "one of");
   goal->add_option("--spheres", fit->fit.spheres, "how many")->check(whole_from(1, kMostFitSpheres));

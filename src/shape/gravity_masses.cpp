@@ -14,6 +14,23 @@ using Mat4 = Eigen::Matrix4d;
 constexpr double kBalanced = 1e-9;  // first moment that counts as zero, of the farthest offset
 constexpr double kFloor = 1e-3;     // smallest mass, as a share of its weight
 
+// A sum with what rounding takes from it [Knuth, The Art of Computer Programming 2, 4.2.2]: thousands of
+// equal terms, as regular shapes have, would else leave more of a residual than a balanced shape may have.
+template <class T>
+class ExactSum {
+ public:
+  explicit ExactSum(const T& first) : sum_(first), lost_(first - first) {}
+  void add(const T& term) {
+    const T sum = sum_ + term, shared = sum - sum_;
+    lost_ += (sum_ - (sum - shared)) + (term - shared);
+    sum_ = sum;
+  }
+  T value() const { return sum_ + lost_; }
+
+ private:
+  T sum_, lost_;
+};
+
 // The problem in coordinates in which sum w_i a_i a_i^T = 1: a_i is 1 and the offset along the principal
 // directions of the weighted cloud, in units of its spread there. A direction without spread (lines, planes,
 // single spheres) has a_i = 0 and so no condition. At the minimum m_i = w_i max(floor, lambda . a_i), where
@@ -46,18 +63,18 @@ class MassProblem {
 
   // How far the masses are from sum 1 and zero first moment; the gradient of the dual.
   Vec4 rest(const Vec4& lambda) const {
-    Vec4 sum = target_;
-    for (std::size_t i = 0; i < a_.size(); ++i) sum -= weights_[i] * share(i, lambda) * a_[i];
-    return sum;
+    ExactSum<Vec4> sum(target_);
+    for (std::size_t i = 0; i < a_.size(); ++i) sum.add(-weights_[i] * share(i, lambda) * a_[i]);
+    return sum.value();
   }
 
   double dual(const Vec4& lambda) const {
-    double value = target_.dot(lambda);
+    ExactSum<double> sum(target_.dot(lambda));
     for (std::size_t i = 0; i < a_.size(); ++i) {
       const double s = share(i, lambda);
-      value -= weights_[i] * s * (lambda.dot(a_[i]) - 0.5 * s);
+      sum.add(-weights_[i] * s * (lambda.dot(a_[i]) - 0.5 * s));
     }
-    return value;
+    return sum.value();
   }
 
   Mat4 curvature(const Vec4& lambda) const {

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/error.h"
+#include "shape/mesh_file/triangulate.h"
 #include "shape/self_crossing.h"
 
 namespace cairn {
@@ -26,6 +27,7 @@ class Checker {
     check_fans();
     check_crossings();
     check_parts();
+    solid_.facets = facets([](std::size_t) { return true; });
     return std::move(solid_);
   }
 
@@ -39,8 +41,20 @@ class Checker {
     for (const Index v : triangles()[t]) middle += vertices()[v] / 3.0;
     return fmt::format("{} at ({:.6g}, {:.6g}, {:.6g})", number(t), middle.x(), middle.y(), middle.z());
   }
+  std::size_t index(std::size_t t) const { return read_ ? read_->kept[t] : t; }
   std::string number(std::size_t t) const {
-    return read_ ? facet_of_file(read_->kept[t], read_->cut) : fmt::format("facet {}", t + 1);
+    return read_ ? facet_of_file(index(t)) : fmt::format("facet {}", t + 1);
+  }
+  /// Facets of the file among triangles; those of one facet follow each other.
+  template <class Condition>
+  std::size_t facets(const Condition& condition) const {
+    std::size_t count = 0, last = solid_.surface.triangles.size();
+    for (std::size_t t = 0; t < solid_.surface.triangles.size(); ++t) {
+      if (!condition(t)) continue;
+      if (last == solid_.surface.triangles.size() || index(t) != index(last)) ++count;
+      last = t;
+    }
+    return count;
   }
 
   void check_numbers() {
@@ -227,12 +241,9 @@ class Checker {
 
   /// Of the outer part or of all others.
   void tell_turned(bool of_outer, Index outer, fmt::format_string<std::size_t&, std::string> words) {
-    std::size_t count = 0, first = 0;
-    for (std::size_t t = turned_.size(); t-- > 0;)
-      if (turned_[t] && (part_[t] == outer) == of_outer) {
-        ++count;
-        first = t;
-      }
+    const auto told = [&](std::size_t t) { return turned_[t] && (part_[t] == outer) == of_outer; };
+    std::size_t count = facets(told), first = 0;
+    while (count > 0 && !told(first)) ++first;
     if (count > 0) solid_.repairs.push_back(fmt::format(words, count, facet(first)));
   }
 
@@ -255,7 +266,7 @@ SolidMesh load_solid(const std::filesystem::path& path, double unit) {
     Welding welding;
     TriangleMesh mesh = load_mesh(path, unit, &welding);
     SolidMesh solid = make_solid(std::move(mesh), &welding);
-    solid.warning = welding.far_off;
+    solid.notes = std::move(welding.notes);
     std::vector<std::string>& repairs = solid.repairs;
     if (welding.farthest > 0.0)
       repairs.push_back(fmt::format("joined vertices up to {:.3g} m apart", welding.farthest));

@@ -16,9 +16,10 @@ namespace cairn {
 struct SolidMesh {
   TriangleMesh surface;
   std::vector<std::array<std::uint32_t, 3>> neighbours;  ///< across the edge from corner k to the next
+  std::size_t facets = 0;  ///< of the file, whose polygons are cut into several triangles
   std::size_t cavities = 0;
-  std::vector<std::string> repairs;  ///< what was changed, one line each
-  std::string warning = {};          ///< of digits lost to a distance from the origin; mostly empty
+  std::vector<std::string> repairs;     ///< what was changed, one line each
+  std::vector<std::string> notes = {};  ///< what a user should know of how a file was read, one line each
 };
 
 /// Turns triangles that face inwards and checks everything else. `read`, if any, tells which facets of a file

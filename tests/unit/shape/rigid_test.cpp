@@ -197,5 +197,61 @@ TEST(GravityMasses, CoplanarCentresOfAnySlope) {
   }
 }
 
+// Thousands of equal spheres on a lattice: what rounds off must not be taken for an imbalance.
+TEST(GravityMasses, RegularShapesOfThousandsOfSpheres) {
+  const auto block = [](int nx, int ny, int nz, const auto& inside) {
+    Shape shape{"block", "", {}, {}};
+    for (int i = 0; i < nx; ++i)
+      for (int j = 0; j < ny; ++j)
+        for (int k = 0; k < nz; ++k)
+          if (inside(i, j, k)) {
+            shape.centers.push_back({2.0 * i, 2.0 * j, 2.0 * k});
+            shape.radii.push_back(1.0);
+          }
+    return shape;
+  };
+  const auto all = [](int, int, int) { return true; };
+  const auto shell = [](int i, int j, int k) {
+    return i == 0 || j == 0 || k == 0 || i == 29 || j == 29 || k == 29;
+  };
+  const auto even = [](int i, int j, int k) { return (i + j + k) % 2 == 0; };  // face-centred cubic
+  for (const Shape& shape : {block(20, 20, 20, all), block(27, 27, 27, all), block(20000, 1, 1, all),
+                             block(140, 140, 1, all), block(30, 30, 30, shell), block(26, 26, 26, even)}) {
+    SCOPED_TRACE(shape.radii.size());
+    Random random(5, shape.radii.size());
+    for (const Shape& placed : {shape, moved(shape, random.rotation(), {1.0, -20.0, 300.0})}) {
+      const RigidShape rigid = make_rigid(placed, MassModel::spheres);
+      const double count = static_cast<double>(placed.radii.size());
+      Vec3 moment = Vec3::Zero();
+      for (std::size_t i = 0; i < placed.radii.size(); ++i) {
+        EXPECT_NEAR(rigid.mass_fractions[i] * count, 1.0, 1e-10);
+        moment += rigid.mass_fractions[i] * rigid.offsets[i];
+      }
+      EXPECT_LT(moment.norm(), 1e-13 * rigid.bounding_radius);
+    }
+  }
+}
+
+// A centre of mass far from the middle of the centres, so that many masses are the smallest allowed.
+TEST(GravityMasses, ThousandsOfMassesOfWhichManyMeetTheFloor) {
+  Random random(6, 0);
+  std::vector<Vec3> offsets;
+  for (int i = 0; i < 20000; ++i) offsets.push_back(random.in_ball() - Vec3(0.75, 0.1, 0.0));
+  const std::vector<double> weights(offsets.size(), 1.0 / 20000);
+  const std::vector<double> masses = gravity_masses(offsets, weights);
+  ASSERT_EQ(masses.size(), offsets.size());
+  double sum = 0.0;
+  Vec3 moment = Vec3::Zero();
+  std::size_t least = 0;
+  for (std::size_t i = 0; i < offsets.size(); ++i) {
+    least += masses[i] < 1.0001e-3 * weights[i];
+    sum += masses[i];
+    moment += masses[i] * offsets[i];
+  }
+  EXPECT_GT(least, 5000u);
+  EXPECT_NEAR(sum, 1.0, 1e-12);
+  EXPECT_LT(moment.norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace cairn

@@ -408,17 +408,17 @@ TEST(SolidMesh, FilesTellWhatWasRepaired) {
         std::string(error.what()).starts_with(path + ": not closed: an edge of facet 4 of the file at"))
         << error.what();
   }
-  // Those of polygons are numbered once they are cut.
-  std::string text;
-  for (const Vec3& x : open.vertices) text += fmt::format("v {} {} {}\n", x.x(), x.y(), x.z());
-  try {
-    load_solid(folder.write("quad.obj", text + "f 1 2 4 3\n"), 1.0);
-    ADD_FAILURE();
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("an edge of facet 1 of the file cut into triangles at"),
-              std::string::npos)
-        << error.what();
-  }
+  // Polygons count as one, as in the file.
+  const std::string block =
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+      "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\n";
+  const SolidMesh turned = load_solid(folder.write("quads.obj", block + "f 1 4 8 5\nf 1 5 8 4\n"), 1.0);
+  EXPECT_EQ(turned.facets, 6u);
+  ASSERT_EQ(turned.repairs.size(), 2u);
+  EXPECT_TRUE(
+      turned.repairs[0].starts_with("turned 1 facets that faced inwards, the first is facet 6 of the file"))
+      << turned.repairs[0];
+  EXPECT_EQ(turned.repairs[1], "left out 1 copies of facets");
 }
 
 TEST(SolidMesh, AMillionFacets) {

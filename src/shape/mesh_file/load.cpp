@@ -1,0 +1,104 @@
+// Files of any format into meshes.
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+
+#include "core/error.h"
+#include "shape/mesh.h"
+#include "shape/mesh_file/file_surface.h"
+#include "shape/mesh_file/other_formats.h"
+#include "shape/mesh_file/text.h"
+
+namespace cairn {
+namespace {
+
+constexpr const char* kTables[] = {"tab", "wf", "plt", "ver", "icq"};
+
+std::string extension(const std::filesystem::path& path) {
+  std::string name = path.extension().string();
+  if (!name.empty()) name.erase(0, 1);
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return name;
+}
+
+auto own_reader(const std::string& kind) -> FileSurface (*)(std::string_view, const std::string&) {
+  if (kind == "obj") return read_obj;
+  if (kind == "ply") return read_ply;
+  if (kind == "stl") return read_stl;
+  if (kind == "off") return read_off;
+  return nullptr;
+}
+
+/// @throws InputError unless the path is that of a regular file: anything else might never end.
+void check_regular(const std::filesystem::path& path) {
+  using std::filesystem::file_type;
+  std::error_code none;
+  const file_type type = std::filesystem::status(path, none).type();
+  if (type == file_type::regular) return;
+  if (type == file_type::not_found || type == file_type::none)
+    throw InputError("{}: no such mesh file", path.string());
+  throw InputError("{}: expected a mesh file, found {}", path.string(),
+                   type == file_type::directory ? "a directory"
+                   : type == file_type::fifo    ? "a pipe"
+                   : type == file_type::socket  ? "a socket"
+                                                : "a device");
+}
+
+std::string read_bytes(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes;
+  std::vector<char> block(1 << 20);
+  while (file) {
+    file.read(block.data(), static_cast<std::streamsize>(block.size()));
+    bytes.append(block.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  if (!file.eof()) throw InputError("{}: cannot be read", path.string());
+  return bytes;
+}
+
+}  // namespace
+
+FileSurface read_unnamed(std::string_view bytes, const std::string& name) {
+  if (bytes.substr(0, 4096).find('\0') != bytes.npos)
+    throw InputError(
+        "{}: a binary file of an unknown kind: expected .obj, .ply, .stl or .off, a table of vertices and "
+        "facets, "
+        "or .gltf, .glb, .fbx, .dae, .3mf, .3ds and others of that kind",
+        name);
+  Text text(bytes, name, {});
+  if (!text.next_line()) throw InputError("{}: holds nothing but blanks", name);
+  const std::string_view word = text.word();
+  const std::string_view obj_words[] = {"v", "vn", "vt", "f", "g", "o", "s", "mtllib", "usemtl"};
+  if (std::find(std::begin(obj_words), std::end(obj_words), word) != std::end(obj_words))
+    return read_obj(bytes, name);
+  if (word == "ply") return read_ply(bytes, name);
+  if (word.ends_with("OFF")) return read_off(bytes, name);
+  if (word == "solid") return read_stl(bytes, name);
+  if (word.find_first_of("0123456789") <= 2 && word.find_first_not_of("0123456789+-.,eEdD") == word.npos)
+    return read_table(bytes, name);
+  text.fail("expected a mesh (the text of an OBJ, PLY, STL or OFF file, or a table of numbers), found {}",
+            quoted(word));
+}
+
+std::string mesh_kind(const std::filesystem::path& path) {
+  const std::string kind = extension(path);
+  const bool known = own_reader(kind) || is_other_format(kind) ||
+                     std::find(std::begin(kTables), std::end(kTables), kind) != std::end(kTables);
+  return known ? kind : "";
+}
+
+TriangleMesh parse_mesh(std::string_view bytes, const std::string& kind, const std::string& name, double unit,
+                        Welding* welding) {
+  if (bytes.empty()) throw InputError("{}: the file is empty", name);
+  const auto reader = own_reader(kind);
+  return make_mesh(reader ? reader(bytes, name) : read_unnamed(bytes, name), name, unit, welding);
+}
+
+TriangleMesh load_mesh(const std::filesystem::path& path, double unit, Welding* welding) {
+  const std::string name = path.string(), kind = extension(path);
+  check_regular(path);
+  if (is_other_format(kind)) return make_mesh(read_other_format(path, kind), name, unit, welding);
+  return parse_mesh(read_bytes(path), kind, name, unit, welding);
+}
+
+}  // namespace cairn
