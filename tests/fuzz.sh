@@ -27,13 +27,15 @@ printf "2ply\nformat ascii 1.0\ncomment a\n$header$points$faces" 4 4 > ply_text
 printf "2ply\nformat binary_little_endian 1.0\n$header$triangle\x03\0\0\0\0\x01\0\0\0\x02\0\0\0" 3 1 > ply_binary
 printf '3solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid s\n' > stl_text
 { printf '3'; head -c 80 /dev/zero; printf "\x01\0\0\0\0\0\0\0\0\0\0\0$one$triangle\0\0"; } > stl_binary
+printf "44 4\n${points}1 3 2\n1 2 4\n1 4 3\n2 3 4\n" > plates
+printf '44\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n1\n1 1 3 2\n' > numbered
+{ printf 4; printf '%s 2.0\n' {-90,0,90}\ {0,120,240}; } > radii
+{ printf '41\n'; for x in -1 1; do printf '%s\n' "$x "{-1,1}\ {-1,1} {-1,1}" $x "{-1,1} {-1,1}\ {-1,1}" $x"; done; } > cube
 printf "\4\0\0\0\0\0\0\0\0\0\0\0\0$one\0\0\0\0\0\0\0\0\0\0\0\0$one\0\0\0\0\0\0\0\0\0\0\0\0$one\0\2\1\0\1\3\0\3\2\1\2\3" \
   > "$corpus/triangles/tetrahedron"
 cd "$OLDPWD"
 
 for reader in scene shape mesh triangles; do
-  # The mesh reader's child breaks down often, and naming the lines where takes a second.
-  [[ $reader == mesh ]] && export ASAN_OPTIONS=symbolize=0 || unset ASAN_OPTIONS
   "$root/build/fuzz/tests/fuzz/fuzz_$reader" -max_total_time="$seconds" -timeout=60 -max_len=20000 -print_final_stats=1 \
     "$corpus/$reader"
 done

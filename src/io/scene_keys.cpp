@@ -73,7 +73,9 @@ const Keys<RegionSpec> kRegionKeys = {
     vector("size", &RegionSpec::size, "m", kSize,
            "ellipsoid and box, which require it: full extents; mesh: stretched to these extents"),
     text("file", &RegionSpec::file, kPath,
-         "mesh, which requires it: path of an OBJ, STL, PLY or OFF file, a closed surface"),
+         "mesh, which requires it: path of a mesh file (OBJ, STL, PLY, OFF, a table of facets or radii), a "
+         "closed "
+         "surface"),
     number("unit", &RegionSpec::unit, "m", within(1e-9, 1e9), "mesh only: unit of the lengths in the file"),
     choice(
         "frame", &RegionSpec::frame,
@@ -145,7 +147,8 @@ const Keys<WallSpec> kWallKeys = {
     number("radius", &WallSpec::radius, "m", kSize, "sphere and cylinder, which require it"),
     choice("side", &WallSpec::side, {{"inside", WallSide::inside}, {"outside", WallSide::outside}},
            "sphere and cylinder: where the bodies are"),
-    text("file", &WallSpec::file, kPath, "mesh, which requires it: path of an OBJ, STL, PLY or OFF file"),
+    text("file", &WallSpec::file, kPath,
+         "mesh, which requires it: path of a mesh file (OBJ, STL, PLY, OFF, a table of facets or radii)"),
     number("unit", &WallSpec::unit, "m", within(1e-9, 1e9), "mesh only: unit of the lengths in the file"),
     vector("velocity", &WallSpec::velocity, "m/s", kVelocity, "of a translation that never ends"),
     vector("oscillation_amplitude", &WallSpec::oscillation_amplitude, "m", kPosition,

@@ -115,18 +115,19 @@ class KnownTriangles {
   std::vector<Triangle> known_;
 };
 
-void check_vertices(const TriangleMesh& mesh, const Triangulation& cut, const std::string& name) {
+void check_vertices(const TriangleMesh& mesh, const FileSurface& surface, const Triangulation& cut,
+                    const std::string& name) {
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     const Vec3& x = mesh.vertices[v];
     if ((x.array().abs() < kLargest).all()) continue;
     const auto user = std::find_if(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
       return std::find(t.begin(), t.end(), v) != t.end();
     });
-    const auto number = static_cast<std::size_t>(user - mesh.triangles.begin());
-    throw InputError(
-        "{}: {} has a vertex at ({:.6g}, {:.6g}, {:.6g}) m, beyond {:g} m", name,
-        number < mesh.triangles.size() ? facet_of_file(cut.facet[number]) : "no facet, but the file,", x.x(),
-        x.y(), x.z(), kLargest);
+    const bool used = user != mesh.triangles.end();
+    const std::size_t facet = used ? cut.facet[static_cast<std::size_t>(user - mesh.triangles.begin())] : 0;
+    throw InputError("{}: {} has a vertex at ({:.6g}, {:.6g}, {:.6g}) m, beyond {:g} m",
+                     used ? surface.place(name, facet) : name,
+                     used ? facet_of_file(facet) : "no facet, but the file,", x.x(), x.y(), x.z(), kLargest);
   }
 }
 
@@ -193,7 +194,7 @@ TriangleMesh weld(const TriangleMesh& mesh, double tolerance, Welding* welding,
 
 TriangleMesh make_mesh(const FileSurface& surface, const std::string& name, double unit, Welding* welding) {
   Triangulation cut = triangulate(surface, name);
-  if (cut.triangles.empty()) throw InputError("{}: holds no facet", name);
+  if (cut.triangles.empty()) throw InputError("{}: holds no facet", name);  // of a format without lines
   if (cut.triangles.size() > kMostTriangles)
     throw InputError("{}: expected at most {} triangles, found {}", name, kMostTriangles,
                      cut.triangles.size());
@@ -201,7 +202,7 @@ TriangleMesh make_mesh(const FileSurface& surface, const std::string& name, doub
   mesh.vertices.reserve(surface.vertices.size());
   for (const Vec3& x : surface.vertices) mesh.vertices.push_back(unit * x);
   mesh.triangles = std::move(cut.triangles);
-  check_vertices(mesh, cut, name);
+  check_vertices(mesh, surface, cut, name);
   Vec3 low = Vec3::Constant(kLargest), high = -low;
   for (const Triangle& t : mesh.triangles)
     for (const std::uint32_t v : t) {
@@ -212,10 +213,13 @@ TriangleMesh make_mesh(const FileSurface& surface, const std::string& name, doub
   const std::string far_off = lost_digits(high.cwiseMax(-low).maxCoeff(), extent, surface.rounding, name);
   mesh = weld(mesh, kWeld * extent, welding, cut.facet);
   if (welding) {
+    welding->name = name;
+    if (!surface.lines.empty())
+      for (const std::uint32_t f : welding->kept) welding->lines.push_back(surface.lines[f]);
     welding->notes = surface.notes;
     if (!far_off.empty()) welding->notes.push_back(far_off);
   }
-  if (mesh.triangles.empty()) throw InputError("{}: holds no facet with an area", name);
+  if (mesh.triangles.empty()) throw InputError("{}: holds no facet with an area", surface.place(name, 0));
   return mesh;
 }
 

@@ -20,10 +20,12 @@ struct TriangleMesh {
 
 /// What welding changed, and what there is to say of the file that the mesh was read from.
 struct Welding {
-  std::vector<std::uint32_t> kept;   ///< facet of each triangle that is left, as numbered before or in a file
-  double farthest = 0.0;             ///< m, between two vertices that became one
-  std::size_t flat = 0, copies = 0;  ///< facets left out: without area, with the vertices of another
-  std::vector<std::string> notes = {};  ///< what a user should know of how a file was read, a line each
+  std::vector<std::uint32_t> kept;  ///< facet of each triangle that is left, as numbered before or in a file
+  std::vector<std::uint32_t> lines = {};  ///< of the file, of each triangle that is left; empty: it has none
+  std::string name = {};                  ///< of the file
+  double farthest = 0.0;                  ///< m, between two vertices that became one
+  std::size_t flat = 0, copies = 0;       ///< facets left out: without area, with the vertices of another
+  std::vector<std::string> notes = {};    ///< what a user should know of how a file was read, a line each
 };
 
 struct FileSurface;

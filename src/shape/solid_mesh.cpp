@@ -41,6 +41,13 @@ class Checker {
     for (const Index v : triangles()[t]) middle += vertices()[v] / 3.0;
     return fmt::format("{} at ({:.6g}, {:.6g}, {:.6g})", number(t), middle.x(), middle.y(), middle.z());
   }
+  /// Complains of triangle t, with the line of its facet where the file has lines.
+  template <class... Args>
+  [[noreturn]] void fail(std::size_t t, fmt::format_string<Args...> words, Args&&... args) const {
+    const std::string what = fmt::format(words, std::forward<Args>(args)...);
+    if (read_ && !read_->lines.empty()) throw InputError("{}:{}: {}", read_->name, read_->lines[t], what);
+    throw InputError("{}", what);
+  }
   std::size_t index(std::size_t t) const { return read_ ? read_->kept[t] : t; }
   std::string number(std::size_t t) const {
     return read_ ? facet_of_file(index(t)) : fmt::format("facet {}", t + 1);
@@ -62,10 +69,10 @@ class Checker {
     for (std::size_t t = 0; t < triangles().size(); ++t) {
       const auto& [a, b, c] = triangles()[t];
       for (const Index v : triangles()[t]) {
-        if (v >= vertices().size()) throw InputError("{} has a vertex that does not exist", number(t));
-        if (!vertices()[v].allFinite()) throw InputError("{} has a vertex that is not finite", number(t));
+        if (v >= vertices().size()) fail(t, "{} has a vertex that does not exist", number(t));
+        if (!vertices()[v].allFinite()) fail(t, "{} has a vertex that is not finite", number(t));
       }
-      if (a == b || b == c || c == a) throw InputError("{} has the same vertex twice", facet(t));
+      if (a == b || b == c || c == a) fail(t, "{} has the same vertex twice", facet(t));
     }
   }
 
@@ -100,10 +107,9 @@ class Checker {
       }
     }
     if (open != kNone)
-      throw InputError("not closed: an edge of {} has no other facet ({} such edges)", facet(open),
-                       open_edges);
+      fail(open, "not closed: an edge of {} has no other facet ({} such edges)", facet(open), open_edges);
     if (shared != kNone)
-      throw InputError("not a manifold: an edge of {} belongs to more than two facets", facet(shared));
+      fail(shared, "not a manifold: an edge of {} belongs to more than two facets", facet(shared));
   }
 
   /// Whether triangle t runs along the edge from a to b in that direction.
@@ -145,7 +151,7 @@ class Checker {
             if (against) turn(other);
             front.push_back(other);
           } else if (against) {
-            throw InputError("one-sided: {} cannot be turned to agree with its neighbours", facet(other));
+            fail(other, "one-sided: {} cannot be turned to agree with its neighbours", facet(other));
           }
         }
       }
@@ -172,7 +178,7 @@ class Checker {
         if (seen[3 * t + k]) continue;
         const Index vertex = triangles()[t][k];
         if (std::exchange(has_fan[vertex], 1))
-          throw InputError("not a manifold: {} touches others at a single vertex", facet(t));
+          fail(t, "not a manifold: {} touches others at a single vertex", facet(t));
         for (Index at = t, corner = k; !seen[3 * at + corner];) {
           seen[3 * at + corner] = 1;
           at = solid_.neighbours[at][corner];
@@ -185,7 +191,7 @@ class Checker {
   void check_crossings() {
     const auto crossing = find_crossing(solid_.surface, solid_.neighbours);
     if (!crossing) return;
-    throw InputError("crosses itself: {} and {}", facet(crossing->first), number(crossing->second));
+    fail(crossing->first, "crosses itself: {} and {}", facet(crossing->first), number(crossing->second));
   }
 
   /// How often a part winds around a point that is not on it [van Oosterom & Strackee 1983, IEEE Trans.
@@ -212,11 +218,11 @@ class Checker {
       if (part_[t] == outer)
         for (const Index v : triangles()[t]) box.extend(vertices()[v]);
     if (!(volumes_[outer] > kNoVolume * std::pow(box.diagonal().norm(), 3)))
-      throw InputError("encloses no volume: {}", facet(first_[outer]));
+      fail(first_[outer], "encloses no volume: {}", facet(first_[outer]));
     const std::size_t parts = first_.size();
     if (parts > kMostParts)
-      throw InputError("expected one solid, found {} separate parts; the second begins with {}", parts,
-                       facet(first_[1]));
+      fail(first_[1], "expected one solid, found {} separate parts; the second begins with {}", parts,
+           facet(first_[1]));
     const auto inside = [&](Index part, Index of) {
       return winding(of, vertices()[triangles()[first_[part]][0]]) > 0.5;
     };
@@ -224,8 +230,8 @@ class Checker {
       if (p == outer) continue;
       for (Index q = 0; q < parts; ++q)
         if (q != p && inside(p, q) != (q == outer))
-          throw InputError("expected one solid, found separate parts; one of them begins with {}",
-                           facet(first_[p]));
+          fail(first_[p], "expected one solid, found separate parts; one of them begins with {}",
+               facet(first_[p]));
     }
     for (Index t = 0; t < triangles().size(); ++t)
       if (part_[t] != outer) {

@@ -55,11 +55,11 @@ TEST(ShapeCommand, BrokenMeshesAreOneLine) {
       return cairn(folder, all);
     };
     EXPECT_TRUE(
-        refused(words("open.obj"), {"open.obj: not closed", "facet 1 of the file at", "3 such edges"}));
-    EXPECT_TRUE(refused(words("crossing.obj"), {"crossing.obj: crosses itself: facet 1 of the file at",
+        refused(words("open.obj"), {"open.obj:9: not closed", "facet 1 of the file at", "3 such edges"}));
+    EXPECT_TRUE(refused(words("crossing.obj"), {"crossing.obj:9: crosses itself: facet 1 of the file at",
                                                 "and facet 13 of the file"}));
     EXPECT_TRUE(refused(words("twice.obj"),
-                        {"twice.obj: expected one solid", "begins with facet 13 of the file at"}));
+                        {"twice.obj:25: expected one solid", "begins with facet 13 of the file at"}));
     EXPECT_TRUE(
         refused(words("bad.obj"), {"bad.obj:2: expected a coordinate, found 'nan', which is not finite"}));
     EXPECT_TRUE(refused(words("none.obj"), {"none.obj: no such mesh file"}));

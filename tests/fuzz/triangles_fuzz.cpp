@@ -7,6 +7,7 @@
 
 #include "contact/wall/mesh_surface.h"
 #include "core/error.h"
+#include "shape/mesh_file/file_surface.h"
 
 namespace {
 
@@ -49,13 +50,15 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
   if (count == 0) return 0;
   std::vector<std::array<float, 3>> vertices(count);
   std::memcpy(vertices.data(), data + 1, 12 * count);
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  for (std::size_t at = 1 + 12 * count; at + 3 <= size && triangles.size() < 64; at += 3)
-    triangles.push_back({static_cast<std::uint32_t>(data[at] % count),
-                         static_cast<std::uint32_t>(data[at + 1] % count),
-                         static_cast<std::uint32_t>(data[at + 2] % count)});
+  cairn::FileSurface surface;
+  for (const auto& [x, y, z] : vertices) surface.vertices.push_back({x, y, z});
+  for (std::size_t at = 1 + 12 * count; at + 3 <= size && surface.ends.size() < 64; at += 3) {
+    for (std::size_t k = 0; k < 3; ++k)
+      surface.corners.push_back(static_cast<std::uint32_t>(data[at + k] % count));
+    surface.end_facet();
+  }
   try {
-    meet(cairn::MeshSurface(cairn::make_mesh(vertices, triangles, "fuzz", 1.0)));
+    meet(cairn::MeshSurface(cairn::make_mesh(surface, "fuzz", 1.0)));
   } catch (const cairn::InputError& error) {
     require(std::string(error.what()).find('\n') == std::string::npos);
   }

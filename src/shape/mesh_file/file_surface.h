@@ -26,6 +26,10 @@ struct FileSurface {
     ends.push_back(static_cast<std::uint32_t>(corners.size()));
     if (line > 0) lines.push_back(static_cast<std::uint32_t>(line));
   }
+  /// "NAME:LINE" of a facet, or the name alone.
+  std::string place(const std::string& name, std::size_t f) const {
+    return lines.empty() ? name : name + ':' + std::to_string(lines[f]);
+  }
   std::span<const std::uint32_t> facet(std::size_t f) const {
     const std::uint32_t begin = f == 0 ? 0 : ends[f - 1];
     return {corners.data() + begin, ends[f] - begin};

@@ -106,6 +106,7 @@ class PlateReader {
 
   /// i j k; with its number before; or with the number of its corners before, on the same line or on its own.
   void read_facets() {
+    if (facets_ == 0) table_.fail(row_ - 1, "expected a facet or more, found none");
     enum class Form { plain, numbered, counted } form = Form::plain;
     std::uint32_t base = 0;
     for (std::uint32_t f = 0; f < facets_; ++f, ++row_) {

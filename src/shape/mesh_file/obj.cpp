@@ -42,6 +42,7 @@ class ObjReader {
       else if (!is_one_of(kNames, word))
         text_.fail("expected v, f or another word of OBJ files, found {}", quoted(word));
     }
+    if (surface_.ends.empty()) text_.fail("expected facets, found none up to here, the end of the file");
     if (elements_ > 0)
       surface_.notes.push_back(fmt::format("left out {} lines and points, which are no surface", elements_));
     count_.settle(surface_, text_.name());

@@ -14,6 +14,7 @@ class OffReader {
     read_header();
     const std::uint32_t vertices = text_.count("the number of vertices");
     const std::uint32_t facets = text_.count("the number of facets");
+    if (facets == 0) text_.fail("expected a facet or more, found none");
     if (text_.more()) text_.count("the number of edges");
     text_.end_line();
     for (std::uint32_t v = 0; v < vertices; ++v) {

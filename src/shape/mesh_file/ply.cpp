@@ -140,6 +140,8 @@ Use use_of(const PlyElement& element, const std::string& name) {
                        element.line);
     use.corners = *found;
   }
+  if (use.facet && element.count == 0)
+    throw InputError("{}:{}: expected a facet or more, found none", name, element.line);
   if (element.name == "tristrips")
     throw InputError("{}:{}: strips of triangles are not read; expected an element 'face'", name,
                      element.line);

@@ -56,6 +56,7 @@ class AsciiStlReader {
       text_.rest();
       word = text_.word_across_lines();
     }
+    if (surface_.ends.empty()) text_.fail("expected a facet or more, found none");
     return std::move(surface_);
   }
 
@@ -109,7 +110,10 @@ FileSurface read_stl(std::string_view bytes, const std::string& name) {
   const bool whole = bytes.size() >= kHead + 4;
   const std::uint64_t facets = whole ? Bytes(bytes.substr(kHead, 4), false).take<std::uint32_t>() : 0;
   const std::uint64_t size = kHead + 4 + kRecord * facets;
-  if (whole && size == bytes.size()) return read_binary(bytes, name, facets);
+  if (whole && size == bytes.size()) {
+    if (facets == 0) throw InputError("{}:1: binary STL: expected a facet or more, found none", name);
+    return read_binary(bytes, name, facets);
+  }
   if (is_text(bytes)) return AsciiStlReader(bytes, name).read();
   if (!whole) throw InputError("{}:1: no STL file: neither 'solid' nor 84 bytes", name);
   throw InputError("{}:1: binary STL: {} facets are promised, which take {} bytes, the file has {}", name,

@@ -208,9 +208,8 @@ Triangulation triangulate(const FileSurface& surface, const std::string& name) {
       out.triangles.push_back({corners[0], corners[1], corners[2]});
     else if (!Polygon(corners, surface.vertices).cut(out.triangles))
       throw InputError(
-          "{}{}: {} has {} corners, and an outline that crosses itself or cannot be cut into triangles", name,
-          surface.lines.empty() ? "" : fmt::format(":{}", surface.lines[f]), facet_of_file(f),
-          corners.size());
+          "{}: {} has {} corners, and an outline that crosses itself or cannot be cut into triangles",
+          surface.place(name, f), facet_of_file(f), corners.size());
     out.facet.resize(out.triangles.size(), static_cast<std::uint32_t>(f));
   }
   return out;

@@ -121,10 +121,10 @@ TEST(Mesh, BadFilesAreRefusedInOneLine) {
   refused("empty.obj", "", "the file is empty");
   refused("zero.off", "", "the file is empty");
   refused("blank.txt", "\n \n", "nothing but blanks");
-  refused("points.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n", "holds no facet");
-  refused("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "holds no facet with an area");
+  refused("points.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n", "points.obj:3: expected facets, found none");
+  refused("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "flat.obj:4: holds no facet with an area");
   refused("far.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1 0\nf 1 2 3\n",
-          "facet 1 of the file has a vertex at (1e+30, 0, 0) m, beyond 1e+15 m");
+          "far.obj:4: facet 1 of the file has a vertex at (1e+30, 0, 0) m, beyond 1e+15 m");
   refused("unused.off", "OFF\n4 1 0\n0 0 0\n3 0 0\n3 3 0\n1e300 0 0\n3 0 1 2\n",
           "no facet, but the file, has a vertex at (1e+300, 0, 0) m");
   const std::string folder_name = (folder / "folder.obj").string(), pipe = (folder / "pipe.obj").string();

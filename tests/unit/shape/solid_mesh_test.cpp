@@ -405,7 +405,7 @@ TEST(SolidMesh, FilesTellWhatWasRepaired) {
     ADD_FAILURE();
   } catch (const InputError& error) {
     EXPECT_TRUE(
-        std::string(error.what()).starts_with(path + ": not closed: an edge of facet 4 of the file at"))
+        std::string(error.what()).starts_with(path + ":12: not closed: an edge of facet 4 of the file at"))
         << error.what();
   }
   // Polygons count as one, as in the file.
