@@ -125,6 +125,43 @@ TEST(ShapeCommand, FitsThatWillNotDoAreRefusedOrWarnedOf) {
   EXPECT_TRUE(contains(cairn(folder, {"shape", "show", "a\"\nb.toml"}).out, "a\"_b: 2 spheres for zero.obj"));
 }
 
+// What a file ends before is missed wherever it is used: also as a wall, which may have holes.
+TEST(ShapeCommand, FilesCutShortAreNeitherWallsNorRegions) {
+  const Folder folder;
+  const std::string points = "0 0 0\n9 0 0\n0 9 0\n0 0 9\n", facets = "3 0 2 1\n3 0 1 3\n3 0 3 2\n";
+  folder.write("cut.off", "OFF\n4 4 6\n" + points + facets);
+  folder.write(
+      "cut.ply",
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 4\nproperty list uchar int vertex_indices\nend_header\n" +
+          points + facets);
+  folder.write("cut.tab", "4 4\n" + points + "1 3 2\n1 2 4\n1 4 3\n");
+  folder.write("cut.obj", "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2");
+  folder.write("cut.stl",
+               "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 0\nendloop\n"
+               "endfacet\n");
+  folder.write("binary.stl", std::string(80, ' ') + std::string("\2\0\0\0", 4) + std::string(50, '\0'));
+  const std::string start =
+      "[[lattice]]\nsize = 1\ndensity = 1\nregion = { kind = 'ball', radius = 5 }\n"
+      "[[stage]]\nname = 'a'\nduration = 1\n";
+  for (const auto& [file, line] : {std::pair{"cut.off", 9},
+                                   {"cut.ply", 16},
+                                   {"cut.tab", 8},
+                                   {"cut.obj", 6},
+                                   {"cut.stl", 8},
+                                   {"binary.stl", 1}}) {
+    const std::string place = fmt::format("{}:{}: ", file, line);
+    folder.write("wall.toml", start + "[[wall]]\nkind = 'mesh'\nfile = '" + file + "'\n");
+    folder.write(
+        "region.toml",
+        start + "[[stage]]\nname = 'b'\ncarve = { region = { kind = 'mesh', file = '" + file + "' } }\n");
+    EXPECT_TRUE(refused(cairn(folder, {"shape", "check", file}), {place}));
+    EXPECT_TRUE(refused(cairn(folder, {"check", "wall.toml"}), {"wall[0].file", place}));
+    EXPECT_TRUE(refused(cairn(folder, {"run", "wall.toml"}), {"wall[0].file", place}));
+    EXPECT_TRUE(refused(cairn(folder, {"check", "region.toml"}), {place}));
+  }
+}
+
 TEST(ShapeCommand, AFitCanBeRepeatedFromItsFile) {
   const Folder folder;
   folder.write("block.obj", block(kFacets));
