@@ -1,12 +1,15 @@
 #include "core/safe_file.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <cstdio>
+#include <limits>
 #include <optional>
 
 #include "core/error.h"
@@ -90,24 +93,52 @@ int write_all(int fd, const char* data, std::size_t size, off_t at) {
   return 0;
 }
 
-/// Copies the whole of `from` into the empty `to`; 0 or an error number.
-int copy_all(int from, int to) {
-  off_t in = 0, out = 0;
-  for (;;) {  // within the kernel, and without moving data on file systems that share blocks
+/// Copies bytes [begin, end) of `from`, or up to its end, to the same place in `to`; 0 or an error number.
+int copy_bytes(int from, int to, off_t begin, off_t end) {
+  off_t in = begin, out = begin;
+  const auto left = [&](std::size_t most) { return std::min(static_cast<std::size_t>(end - in), most); };
+  while (in < end) {  // within the kernel, and without moving data on file systems that share blocks
     const ssize_t moved =
-        uninterrupted([&] { return copy_file_range(from, &in, to, &out, std::size_t{1} << 30, 0); });
+        uninterrupted([&] { return copy_file_range(from, &in, to, &out, left(std::size_t{1} << 30), 0); });
     if (moved == 0) return 0;
     if (moved < 0 && (errno == ENOSYS || errno == EXDEV || errno == EINVAL || errno == EOPNOTSUPP)) break;
     if (moved < 0) return errno;
   }
   std::array<char, 1 << 16> buffer;
-  for (;;) {
-    const ssize_t got = uninterrupted([&] { return pread(from, buffer.data(), buffer.size(), in); });
+  while (in < end) {
+    const ssize_t got = uninterrupted([&] { return pread(from, buffer.data(), left(buffer.size()), in); });
     if (got == 0) return 0;
     if (got < 0) return errno;
     if (const int error = write_all(to, buffer.data(), static_cast<std::size_t>(got), in)) return error;
     in += got;
   }
+  return 0;
+}
+
+/// Whether nobody else has the file open, so that it may be written in place: a program that looks at an old
+/// version shall see it as it was.
+bool is_ours_alone(int fd) {
+  // On other machines' file systems only locks are seen.
+  if (flock(fd, LOCK_EX | LOCK_NB) != 0) return false;
+  flock(fd, LOCK_UN);
+  // Should somebody open it at this very moment, the kernel sends a signal, which must be one that is ignored.
+  fcntl(fd, F_SETSIG, SIGURG);
+  if (fcntl(fd, F_SETLEASE, F_WRLCK) != 0) return false;
+  fcntl(fd, F_SETLEASE, F_UNLCK);
+  return true;
+}
+
+/// Gives `spare` the bytes of `present`; whether that went well.
+bool catch_up(const Spare& spare, int present) {
+  const int fd = spare.version.file.get();
+  struct stat info {}, now{};
+  if (!is_ours_alone(fd) || fstat(fd, &info) != 0 || fstat(present, &now) != 0) return false;
+  if (spare.behind.shortest() < static_cast<std::uint64_t>(info.st_size) &&
+      ftruncate(fd, static_cast<off_t>(spare.behind.shortest())) != 0)
+    return false;
+  for (const auto& [begin, end] : spare.behind.written())
+    if (copy_bytes(present, fd, static_cast<off_t>(begin), static_cast<off_t>(end)) != 0) return false;
+  return ftruncate(fd, now.st_size) == 0 && fchmod(fd, now.st_mode & 07777) == 0;
 }
 
 }  // namespace
@@ -138,10 +169,18 @@ FileDescriptor claim(const fs::path& path, bool overwrite) {
   return old;
 }
 
+Replacement Replacement::of(const fs::path& path, const FileDescriptor& old, Spare spare) {
+  const TemporaryFile& version = spare.version;
+  if (old && version.file && is_named(version.file, version.name) && catch_up(spare, old.get()))
+    return Replacement(path, std::move(spare.version));
+  spare = Spare();  // its room may be needed
+  return Replacement(path, old);
+}
+
 Replacement::Replacement(const fs::path& path, const FileDescriptor& old)
     : path_(path), next_(TemporaryFile::create(path, permissions(path).value_or(0666))) {
   survive_file_size_limit();
-  int error = old ? copy_all(old.get(), fd()) : 0;
+  int error = old ? copy_bytes(old.get(), fd(), 0, std::numeric_limits<off_t>::max()) : 0;
   if (const auto mode = permissions(path); error == 0 && mode && fchmod(fd(), *mode) != 0) error = errno;
   if (error == 0) return;
   next_.remove();
@@ -164,6 +203,17 @@ FileDescriptor Replacement::install(bool overwrite) {
   }
   if (error != 0) fail(path_, error);
   return std::move(next_.file);
+}
+
+Spare Replacement::exchange(FileDescriptor& file, Changes changes) {
+  if (uninterrupted([&] { return fsync(fd()); }) != 0) fail(path_, errno);
+  // What the user has put there meanwhile stays.
+  const bool ours = is_named(file, path_);
+  if (!ours || renameat2(AT_FDCWD, next_.name.c_str(), AT_FDCWD, path_.c_str(), RENAME_EXCHANGE) != 0) {
+    file = install(ours);
+    return {};
+  }
+  return Spare({next_.name, std::exchange(file, std::move(next_.file))}, std::move(changes));
 }
 
 void sync_folder(const fs::path& path) {

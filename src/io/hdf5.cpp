@@ -1,15 +1,19 @@
 #include "io/hdf5.h"
 
 #include <algorithm>
+#include <cstring>
 
-#include "io/hdf5_driver.h"
+#include "io/checksum.h"
 
 namespace cairn::h5 {
 namespace {
 
-/// Errors are thrown; HDF5 shall not print them as well.
-void be_silent() {
-  static const herr_t done = H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+/// Errors are thrown; HDF5 shall not print them as well. Nor shall a file make it load foreign code.
+void prepare_library() {
+  static const herr_t done = [] {
+    H5PLset_loading_state(0);
+    return H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }();
   static_cast<void>(done);
 }
 
@@ -94,12 +98,6 @@ PropertyList checked_layout(const Array& array) {
   return list;
 }
 
-PropertyList with_groups_above() {
-  PropertyList list(H5Pcreate(H5P_LINK_CREATE), "links");
-  H5Pset_create_intermediate_group(list, 1);
-  return list;
-}
-
 /// Links stay in the group's header up to a good many, which is smaller than the trees HDF5 builds otherwise.
 PropertyList ordered_group() {
   PropertyList list(H5Pcreate(H5P_GROUP_CREATE), "group");
@@ -107,6 +105,56 @@ PropertyList ordered_group() {
   H5Pset_link_creation_order(list, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED);
   H5Pset_obj_track_times(list, false);
   return list;
+}
+
+/// Makes the groups on the way to `path` that are missing.
+void create_groups_above(hid_t parent, const std::string& path) {
+  for (std::size_t end = path.find('/'); end != std::string::npos; end = path.find('/', end + 1)) {
+    const std::string group = path.substr(0, end);
+    if (!exists(parent, group))
+      Group(H5Gcreate2(parent, group.c_str(), H5P_DEFAULT, ordered_group(), H5P_DEFAULT), group);
+  }
+}
+
+/// Whether a link called `name` leads to an object of this file.
+void require_own(const H5L_info_t& link, const std::string& name) {
+  if (link.type != H5L_TYPE_HARD)
+    throw Error(name + ": a link to elsewhere; only what is in the file itself is read");
+}
+
+/// Throws unless the dataset's bytes are in the file, behind no other filters than HDF5's own.
+void require_own_storage(hid_t dataset, const std::string& what) {
+  const PropertyList list(H5Dget_create_plist(dataset), what);
+  const H5D_layout_t layout = H5Pget_layout(list);
+  if (layout == H5D_VIRTUAL || (layout == H5D_CONTIGUOUS && H5Pget_external_count(list) != 0))
+    throw Error(what + ": its data are elsewhere; only what is in the file itself is read");
+  const int filters = H5Pget_nfilters(list);
+  for (int k = 0; k < filters; ++k) {
+    unsigned flags = 0, config = 0;
+    std::size_t values = 0;
+    const H5Z_filter_t filter =
+        H5Pget_filter2(list, static_cast<unsigned>(k), &flags, &values, nullptr, 0, nullptr, &config);
+    if (filter != H5Z_FILTER_FLETCHER32 && filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE)
+      throw Error(what + ": behind a filter that this program does not use");
+  }
+}
+
+/// How many rows a column has.
+hsize_t rows_of(hid_t dataset, const std::string& what) {
+  const std::vector<std::uint64_t> shape = shape_of(Space(H5Dget_space(dataset), what), what);
+  if (shape.size() != 1) throw Error(what + ": not one-dimensional");
+  return shape[0];
+}
+
+std::string text_of(const Array& array) {
+  std::string text;
+  decode(array, {"checksum", "", "", &text});
+  return text;
+}
+
+void require_checksum(hid_t dataset, const std::string& found, const std::string& what) {
+  if (!has_attribute(dataset, kChecksum) || text_of(read_attribute(dataset, kChecksum, 4096)) != found)
+    throw Error(what + ": damaged, its checksum is another");
 }
 
 }  // namespace
@@ -117,19 +165,20 @@ void fail(const std::string& what) {
   throw Error(what + ": " + (text.empty() ? "HDF5 failed" : text));
 }
 
-File open_file(int fd, Mode mode, int& error) {
-  be_silent();
+File open_file(int fd, Mode mode, DiskLog& log) {
+  prepare_library();
   const PropertyList access(H5Pcreate(H5P_FILE_ACCESS), "access");
-  use_descriptor(access, fd, error);
+  use_descriptor(access, fd, log, mode == Mode::read_cut_off);
   // From version 1.10 of the format on, everything but raw data is checksummed.
   H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
   // Blocks for later metadata would be lost at every closing.
   H5Pset_meta_block_size(access, 0);
   if (mode != Mode::create)
-    return File(H5Fopen("file", mode == Mode::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR, access),
+    return File(H5Fopen("file", mode == Mode::append ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access),
                 "not a sound HDF5 file");
   const PropertyList creation(H5Pcreate(H5P_FILE_CREATE), "creation");
   H5Pset_link_creation_order(creation, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED);
+  H5Pset_obj_track_times(creation, false);
   return File(H5Fcreate("file", H5F_ACC_TRUNC, creation, access), "file");
 }
 
@@ -140,7 +189,11 @@ void close_file(File& file) {
 bool exists(hid_t parent, const std::string& path) {
   // HDF5 asks that every group on the way is known to exist.
   for (std::size_t end = path.find('/');; end = path.find('/', end + 1)) {
-    if (H5Lexists(parent, path.substr(0, end).c_str(), H5P_DEFAULT) <= 0) return false;
+    const std::string name = path.substr(0, end);
+    if (H5Lexists(parent, name.c_str(), H5P_DEFAULT) <= 0) return false;
+    H5L_info_t link;
+    check(H5Lget_info(parent, name.c_str(), &link, H5P_DEFAULT), name);
+    require_own(link, name);
     if (end == std::string::npos) return true;
   }
 }
@@ -150,7 +203,8 @@ void remove(hid_t parent, const std::string& path) {
 }
 
 Group create_group(hid_t parent, const std::string& path) {
-  return Group(H5Gcreate2(parent, path.c_str(), with_groups_above(), ordered_group(), H5P_DEFAULT), path);
+  create_groups_above(parent, path);
+  return Group(H5Gcreate2(parent, path.c_str(), H5P_DEFAULT, ordered_group(), H5P_DEFAULT), path);
 }
 
 Group open_group(hid_t parent, const std::string& path) {
@@ -171,6 +225,7 @@ std::vector<std::string> names(hid_t group) {
 std::vector<DatasetInfo> datasets(hid_t group) {
   std::vector<DatasetInfo> list;
   for (const std::string& name : names(group)) {
+    exists(group, name);  // in this file
     const Object object(H5Oopen(group, name.c_str(), H5P_DEFAULT), name);
     if (H5Iget_type(object) != H5I_DATASET) continue;
     const Array array = describe(Type(H5Dget_type(object), name), Space(H5Dget_space(object), name), name);
@@ -183,36 +238,51 @@ std::vector<DatasetInfo> datasets(hid_t group) {
   return list;
 }
 
-void write_field(hid_t parent, const StoredField& field) {
+std::string write_field(hid_t parent, const StoredField& field) {
   const Array& value = field.value;
   const Type type = type_of(value.type, value.text_length);
-  const Dataset dataset(H5Dcreate2(parent, field.name.c_str(), type, space_of(value.shape),
-                                   with_groups_above(), checked_layout(value), H5P_DEFAULT),
+  create_groups_above(parent, field.name);
+  const Dataset dataset(H5Dcreate2(parent, field.name.c_str(), type, space_of(value.shape), H5P_DEFAULT,
+                                   checked_layout(value), H5P_DEFAULT),
                         field.name);
   if (!value.bytes.empty())
     check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.bytes.data()), field.name);
   if (!field.unit.empty()) write_attribute(dataset, "unit", field.unit);
   if (!field.help.empty()) write_attribute(dataset, "help", field.help);
   if (!field.axis.empty()) write_attribute(dataset, "axis", field.axis);
+  std::string digits = checksum(value.bytes);
+  write_attribute(dataset, kChecksum, digits);
+  return digits;
 }
 
 Array read_array(hid_t parent, const std::string& path, std::uint64_t limit) {
   if (!exists(parent, path)) throw Error(path + ": missing");
   const Object object(H5Oopen(parent, path.c_str(), H5P_DEFAULT), path);
   if (H5Iget_type(object) != H5I_DATASET) throw Error(path + ": not a dataset");
+  require_own_storage(object, path);
   const Type type(H5Dget_type(object), path);
   Array array = describe(type, Space(H5Dget_space(object), path), path);
   allocate(array, limit, path);
   if (!array.bytes.empty())
     check(H5Dread(object, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, array.bytes.data()), path);
+  require_checksum(object, checksum(array.bytes), path);
   return array;
 }
 
 void write_attribute(hid_t object, const std::string& name, const Array& value) {
-  if (has_attribute(object, name)) check(H5Adelete(object, name.c_str()), name);
   const Type type = type_of(value.type, value.text_length);
-  const AttributeHandle attribute(
-      H5Acreate2(object, name.c_str(), type, space_of(value.shape), H5P_DEFAULT, H5P_DEFAULT), name);
+  const Space space = space_of(value.shape);
+  AttributeHandle attribute;
+  if (has_attribute(object, name)) {
+    attribute = AttributeHandle(H5Aopen(object, name.c_str(), H5P_DEFAULT), name);
+    if (H5Tequal(Type(H5Aget_type(attribute), name), type) <= 0 ||
+        H5Sextent_equal(Space(H5Aget_space(attribute), name), space) <= 0) {
+      attribute = AttributeHandle();
+      check(H5Adelete(object, name.c_str()), name);
+    }
+  }
+  if (attribute < 0)
+    attribute = AttributeHandle(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), name);
   check(H5Awrite(attribute, type, value.bytes.data()), name);
 }
 
@@ -242,6 +312,16 @@ bool has_attribute(hid_t object, const std::string& name) {
   return H5Aexists(object, name.c_str()) > 0;
 }
 
+std::vector<std::string> attribute_names(hid_t object) {
+  const auto add = [](hid_t, const char* name, const H5A_info_t*, void* list) -> herr_t {
+    static_cast<std::vector<std::string>*>(list)->emplace_back(name);
+    return 0;
+  };
+  std::vector<std::string> list;
+  check(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &list), "attributes");
+  return list;
+}
+
 Dataset create_growing(hid_t parent, const std::string& name) {
   const hsize_t none = 0, unlimited = H5S_UNLIMITED, chunk = 1024;
   const PropertyList list(H5Pcreate(H5P_DATASET_CREATE), name);
@@ -253,16 +333,28 @@ Dataset create_growing(hid_t parent, const std::string& name) {
                  name);
 }
 
-void append(hid_t parent, const std::string& name, const std::vector<double>& values) {
+void append(hid_t parent, const std::string& name, const std::vector<double>& values,
+            const std::string& digits) {
   if (values.empty()) return;
   const Dataset dataset(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), name);
-  const std::vector<std::uint64_t> shape = shape_of(Space(H5Dget_space(dataset), name), name);
-  if (shape.size() != 1) throw Error(name + ": not one-dimensional");
-  const hsize_t start = shape[0], count = values.size(), total = start + count;
+  const hsize_t start = rows_of(dataset, name), count = values.size(), total = start + count;
   check(H5Dset_extent(dataset, &total), name);
   const Space file(H5Dget_space(dataset), name), memory(H5Screate_simple(1, &count, nullptr), name);
   check(H5Sselect_hyperslab(file, H5S_SELECT_SET, &start, nullptr, &count, nullptr), name);
   check(H5Dwrite(dataset, H5T_IEEE_F64LE, memory, file, H5P_DEFAULT, values.data()), name);
+  write_attribute(dataset, kChecksum, digits);
+}
+
+std::vector<double> read_tail(hid_t parent, const std::string& name, std::uint64_t count) {
+  if (!exists(parent, name)) throw Error(name + ": missing");
+  const Dataset dataset(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), name);
+  const hsize_t rows = rows_of(dataset, name), size = std::min<hsize_t>(rows, count), start = rows - size;
+  std::vector<double> values(size);
+  const Space file(H5Dget_space(dataset), name), memory(H5Screate_simple(1, &size, nullptr), name);
+  check(H5Sselect_hyperslab(file, H5S_SELECT_SET, &start, nullptr, &size, nullptr), name);
+  if (size > 0)
+    check(H5Dread(dataset, H5T_IEEE_F64LE, memory, file, H5P_DEFAULT, values.data()), name);
+  return values;
 }
 
 }  // namespace cairn::h5

@@ -1,4 +1,6 @@
-// HDF5 objects that close themselves, and whole arrays in and out of them. One thread at a time.
+// HDF5 objects that close themselves, and whole arrays in and out of them, with a checksum beside each. Only
+// what is in the file itself is read: no links out of it, no external storage, no filters from elsewhere. One
+// thread at a time.
 #pragma once
 
 #include <hdf5.h>
@@ -10,6 +12,7 @@
 #include <vector>
 
 #include "io/fields.h"
+#include "io/hdf5_driver.h"
 
 namespace cairn::h5 {
 
@@ -54,15 +57,16 @@ using AttributeHandle = Handle<H5Aclose>;
 using PropertyList = Handle<H5Pclose>;
 using Object = Handle<H5Oclose>;
 
-enum class Mode { create, append, read };
+enum class Mode { create, append, read, read_cut_off };
 
-/// The HDF5 file in descriptor `fd`; `error` as in use_descriptor. Its metadata and data carry checksums.
-File open_file(int fd, Mode mode, int& error);
+/// The HDF5 file in descriptor `fd`; `log` as in use_descriptor. Its metadata and data carry checksums. Equal
+/// content written in equal sessions gives equal bytes.
+File open_file(int fd, Mode mode, DiskLog& log);
 
 /// Closes and reports failure (the destructor cannot).
 void close_file(File& file);
 
-/// Whether `path` ("a/b") leads to something below `parent`.
+/// Whether `path` ("a/b") leads to something below `parent`. Throws Error when it leads out of the file.
 bool exists(hid_t parent, const std::string& path);
 
 /// Removes `path` and all below it; nothing there is fine.
@@ -78,10 +82,15 @@ std::vector<std::string> names(hid_t group);
 /// The datasets directly in a group, in the order of names().
 std::vector<DatasetInfo> datasets(hid_t group);
 
-/// Writes a field as a dataset with the attributes unit, help and axis (the empty ones left out).
-void write_field(hid_t parent, const StoredField& field);
+/// The attribute with the checksum of a dataset's bytes.
+inline constexpr const char* kChecksum = "xxh3_128";
 
-/// Reads a whole dataset; `limit` (bytes) bounds what a damaged header can make us allocate.
+/// Writes a field as a dataset with the attributes unit, help and axis (the empty ones left out) and its
+/// checksum, which is returned.
+std::string write_field(hid_t parent, const StoredField& field);
+
+/// Reads a whole dataset and compares its checksum; `limit` (bytes) bounds what a damaged header can make us
+/// allocate.
 Array read_array(hid_t parent, const std::string& path, std::uint64_t limit);
 
 /// Writes or replaces an attribute.
@@ -91,11 +100,16 @@ Array read_attribute(hid_t object, const std::string& name, std::uint64_t limit)
 /// How errors name an attribute: "/snapshots/000001, attribute time".
 std::string attribute_label(hid_t object, const std::string& name);
 bool has_attribute(hid_t object, const std::string& name);
+std::vector<std::string> attribute_names(hid_t object);
 
 /// Makes an empty one-dimensional dataset of doubles that can grow.
 Dataset create_growing(hid_t parent, const std::string& name);
 
-/// Adds values at the end of a dataset made by create_growing.
-void append(hid_t parent, const std::string& name, const std::vector<double>& values);
+/// Adds values at the end of a dataset made by create_growing; `checksum` is that of all its values then.
+void append(hid_t parent, const std::string& name, const std::vector<double>& values,
+            const std::string& checksum);
+
+/// The last `count` values of such a dataset, or all.
+std::vector<double> read_tail(hid_t parent, const std::string& name, std::uint64_t count);
 
 }  // namespace cairn::h5

@@ -22,7 +22,8 @@ namespace {
 
 struct Target {
   int fd;
-  int* error;
+  DiskLog* log;
+  bool cut_off;
 };
 
 /// HDF5 keeps its own part of an open file first.
@@ -41,7 +42,7 @@ DriverFile& self(const H5FD_t* file) {
 }
 
 void remember(const DriverFile& file, int error) {
-  if (*file.target.error == 0) *file.target.error = error;
+  if (file.target.log->error == 0) file.target.log->error = error;
 }
 
 H5FD_t* open_file(const char*, unsigned, hid_t access_list, haddr_t) {
@@ -72,7 +73,7 @@ herr_t set_allocated(H5FD_t* file, H5FD_mem_t, haddr_t address) {
 }
 
 haddr_t get_end(const H5FD_t* file, H5FD_mem_t) {
-  return self(file).end;
+  return self(file).target.cut_off ? kLargestAddress : self(file).end;
 }
 
 herr_t read_bytes(H5FD_t* base, H5FD_mem_t, hid_t, haddr_t address, std::size_t size, void* buffer) {
@@ -100,7 +101,8 @@ herr_t write_bytes(H5FD_t* base, H5FD_mem_t, hid_t, haddr_t address, std::size_t
   DriverFile& file = self(base);
   const auto* in = static_cast<const std::byte*>(buffer);
   file.end = std::max(file.end, address + size);
-  while (size > 0 && *file.target.error == 0) {
+  file.target.log->changes.write(address, address + size);
+  while (size > 0 && file.target.log->error == 0) {
     const ssize_t put = pwrite(file.target.fd, in, size, static_cast<off_t>(address));
     if (put < 0 && errno == EINTR) continue;
     if (put <= 0) {
@@ -117,7 +119,8 @@ herr_t write_bytes(H5FD_t* base, H5FD_mem_t, hid_t, haddr_t address, std::size_t
 herr_t truncate_file(H5FD_t* base, hid_t, hbool_t) {
   DriverFile& file = self(base);
   if (file.end == file.allocated) return 0;
-  if (*file.target.error == 0 && ftruncate(file.target.fd, static_cast<off_t>(file.allocated)) != 0)
+  file.target.log->changes.cut(file.allocated);
+  if (file.target.log->error == 0 && ftruncate(file.target.fd, static_cast<off_t>(file.allocated)) != 0)
     remember(file, errno);
   file.end = file.allocated;
   return 0;
@@ -149,9 +152,9 @@ hid_t register_driver() {
 
 }  // namespace
 
-void use_descriptor(hid_t access_list, int fd, int& error) {
+void use_descriptor(hid_t access_list, int fd, DiskLog& log, bool cut_off) {
   static const hid_t driver = register_driver();
-  const Target target{fd, &error};
+  const Target target{fd, &log, cut_off};
   if (H5Pset_driver(access_list, driver, &target) < 0) fail("file driver");
 }
 

@@ -3,7 +3,11 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cstring>
+#include <limits>
 #include <stdexcept>
+#include <type_traits>
+#include <utility>
 
 #include "core/error.h"
 #include "io/hdf5.h"
@@ -14,7 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "cairn result";
-constexpr std::int64_t kFormatVersion = 1;
+constexpr std::int64_t kFormatVersion = 2;
+constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();  // of what we wrote ourselves
 
 std::string snapshot_group(std::size_t k) {
   return fmt::format("snapshots/{:06}", k);
@@ -37,17 +42,56 @@ void write_value(hid_t object, const std::string& name, T value) {
   h5::write_attribute(object, name, encode({name, "", "", &value}).value);
 }
 
-void write_fields(hid_t group, const std::vector<StoredField>& fields, const int& error) {
-  for (const StoredField& field : fields) {
-    if (error != 0) return;  // the rest would be dropped anyway
-    h5::write_field(group, field);
-  }
+SnapshotInfo read_info(hid_t file, std::size_t k, std::uint64_t limit) {
+  const h5::Group group = h5::open_group(file, snapshot_group(k));
+  return {read_value<double>(group, "time", limit), read_value<std::string>(group, "stage", limit),
+          read_value<std::uint64_t>(group, "epoch", limit)};
 }
 
-void write_checkpoint(hid_t file, const FieldTable& table, const int& error) {
-  const h5::Group group = h5::create_group(file, "checkpoint");
-  // One field at a time: a large state is never copied whole.
-  for (std::size_t f = 0; f < table.size() && error == 0; ++f) h5::write_field(group, encode(table[f]));
+/// Writes fields, one at a time, until an error; returns their checksums.
+template <class Fields>
+std::vector<std::string> write_fields(hid_t group, const Fields& fields, const int& error) {
+  std::vector<std::string> sums;
+  for (const auto& field : fields) {
+    if (error != 0) break;  // the rest would be dropped anyway
+    if constexpr (std::is_same_v<Fields, FieldTable>)
+      sums.push_back(h5::write_field(group, encode(field)));  // a large state is never copied whole
+    else
+      sums.push_back(h5::write_field(group, field));
+  }
+  return sums;
+}
+
+/// Checksum of the root's attributes but itself and the scene, which users may edit.
+std::string root_checksum(hid_t file, std::uint64_t limit) {
+  RunningChecksum sum;
+  for (const std::string& name : h5::attribute_names(file)) {
+    if (name == h5::kChecksum || name == "scene") continue;
+    sum.add(std::as_bytes(std::span(name)));
+    sum.add(h5::read_attribute(file, name, limit).bytes);
+  }
+  return sum.digest();
+}
+
+std::uint64_t size_of(const std::vector<StoredField>& fields) {
+  std::uint64_t size = 0;
+  for (const StoredField& field : fields) size += field.value.bytes.size();
+  return size;
+}
+
+[[noreturn]] void fail_reading_back(const std::string& what) {
+  throw h5::Error(what + ": read back from the disk it is another; the file is left as it was");
+}
+
+/// Throws unless a dataset's checksum, which fits its bytes, is this one.
+void read_back_field(hid_t file, const std::string& name, const std::string& sum, std::uint64_t limit) {
+  if (checksum(h5::read_array(file, name, limit).bytes) != sum) fail_reading_back(name);
+}
+
+void read_back_fields(hid_t file, const std::string& group, const std::vector<StoredField>& fields,
+                      std::uint64_t limit) {
+  for (const StoredField& field : fields)
+    read_back_field(file, group + "/" + field.name, checksum(field.value.bytes), limit);
 }
 
 }  // namespace
@@ -56,12 +100,13 @@ void write_checkpoint(hid_t file, const FieldTable& table, const int& error) {
 template <class Work>
 auto ResultFile::reading(Work&& work) const {
   if (!committed_) throw std::logic_error("nothing has been committed yet");
-  int error = 0;
+  h5::DiskLog log;
   try {
-    const h5::File file = h5::open_file(file_.get(), h5::Mode::read, error);
+    const h5::File file =
+        h5::open_file(file_.get(), damaged_ ? h5::Mode::read_cut_off : h5::Mode::read, log);
     return work(file, size_of(file_));
   } catch (const h5::Error& e) {
-    throw InputError("{}: {}", path_.string(), error != 0 ? reason(error) : e.what());
+    throw InputError("{}: {}", path_.string(), log.error != 0 ? reason(log.error) : e.what());
   } catch (const InputError& e) {
     throw InputError("{}: {}", path_.string(), e.what());
   }
@@ -86,6 +131,15 @@ ResultFile ResultFile::open(const fs::path& path) {
   return load(path, open_for_reading(path), false);
 }
 
+ResultFile ResultFile::open_damaged(const fs::path& path) {
+  ResultFile result;
+  result.path_ = path;
+  result.file_ = open_for_reading(path);
+  result.committed_ = result.damaged_ = true;
+  result.read_damaged_index();
+  return result;
+}
+
 ResultFile ResultFile::open_to_continue(const fs::path& path) {
   return load(path, open_locked(path), true);
 }
@@ -107,24 +161,38 @@ void ResultFile::read_index() {
     if (const auto version = read_value<std::int64_t>(file, "format_version", limit);
         version != kFormatVersion)
       throw InputError("format version {}, this program reads {}", version, kFormatVersion);
+    if (read_value<std::string>(file, h5::kChecksum, limit) != root_checksum(file, limit))
+      throw InputError("damaged, the checksum of its attributes is another");
     finished_ = read_value<bool>(file, "finished", limit);
     outcome_ = read_value<std::string>(file, "outcome", limit);
     const std::size_t count = h5::names(h5::open_group(file, "snapshots")).size();
-    for (std::size_t k = 0; k < count; ++k) {
-      const h5::Group group = h5::open_group(file, snapshot_group(k));
-      snapshots_.push_back(
-          {read_value<double>(group, "time", limit), read_value<std::string>(group, "stage", limit),
-           h5::has_attribute(group, "epoch") ? read_value<std::uint64_t>(group, "epoch", limit) : 0});
-    }
+    for (std::size_t k = 0; k < count; ++k) snapshots_.push_back(read_info(file, k, limit));
     series_stored_ = h5::exists(file, "series");
     if (!series_stored_) return;
     const h5::Group series = h5::open_group(file, "series");
     for (const std::string& name : h5::names(series)) {
+      h5::exists(series, name);  // in this file
       const h5::Dataset column(H5Dopen2(series, name.c_str(), H5P_DEFAULT), "series/" + name);
       columns_.push_back({name, read_value<std::string>(column, "unit", limit),
                           read_value<std::string>(column, "help", limit)});
     }
     new_series_.resize(columns_.size());
+    if (!writable_) return;
+    sums_.resize(columns_.size());
+    for (std::size_t c = 0; c < columns_.size(); ++c)
+      sums_[c].add(h5::read_array(series, columns_[c].name, limit).bytes);
+  });
+}
+
+void ResultFile::read_damaged_index() {
+  reading([&](hid_t file, std::uint64_t limit) {
+    for (std::size_t k = 0; h5::exists(file, snapshot_group(k)); ++k) {
+      try {
+        snapshots_.push_back(read_info(file, k, limit));
+      } catch (const h5::Error&) {
+        snapshots_.emplace_back();  // keeps the numbers of the others
+      }
+    }
   });
 }
 
@@ -142,6 +210,7 @@ void ResultFile::add_snapshot(double time, const std::string& stage, const Field
                               std::uint64_t epoch) {
   require_writable();
   new_snapshots_.push_back({{time, stage, epoch}, encode(table)});
+  waiting_ += size_of(new_snapshots_.back().fields);
 }
 
 void ResultFile::declare_series(const std::vector<SeriesColumn>& columns) {
@@ -149,6 +218,7 @@ void ResultFile::declare_series(const std::vector<SeriesColumn>& columns) {
   if (columns_.empty()) {
     columns_ = columns;
     new_series_.resize(columns.size());
+    sums_.resize(columns.size());
     return;
   }
   if (!std::ranges::equal(columns_, columns, {}, &SeriesColumn::name, &SeriesColumn::name))
@@ -159,6 +229,7 @@ void ResultFile::add_series_row(std::span<const double> values) {
   require_writable();
   if (values.size() != columns_.size()) throw std::logic_error("a series row needs one value per column");
   for (std::size_t c = 0; c < values.size(); ++c) new_series_[c].push_back(values[c]);
+  waiting_ += values.size_bytes();
 }
 
 void ResultFile::commit(const FieldTable& checkpoint) {
@@ -180,12 +251,14 @@ void ResultFile::finish(const FieldTable& checkpoint, const std::string& outcome
 void ResultFile::write(const FieldTable* checkpoint, bool finished, const std::string& outcome) {
   require_writable();
   const FileDescriptor nothing;
-  Replacement next(path_, committed_ ? file_ : nothing);
-  int error = 0;
+  Replacement next = Replacement::of(path_, committed_ ? file_ : nothing, std::exchange(spare_, {}));
+  std::vector<RunningChecksum> sums = sums_;
+  for (std::size_t c = 0; c < columns_.size(); ++c) sums[c].add(std::as_bytes(std::span(new_series_[c])));
+  h5::DiskLog log;
   std::string problem;
   const auto session = [&](h5::Mode mode, auto&& work) {
-    if (error != 0) return;
-    h5::File file = h5::open_file(next.fd(), mode, error);
+    if (log.error != 0) return;
+    h5::File file = h5::open_file(next.fd(), mode, log);
     work(file);
     h5::close_file(file);
   };
@@ -195,34 +268,51 @@ void ResultFile::write(const FieldTable* checkpoint, bool finished, const std::s
     if (committed_ && checkpoint != nullptr)
       session(h5::Mode::append, [](hid_t file) { h5::remove(file, "checkpoint"); });
     session(committed_ ? h5::Mode::append : h5::Mode::create, [&](hid_t file) {
-      write_lasting(file, error);
+      write_lasting(file, sums, log.error);
       write_value(file, "finished", finished);
       h5::write_attribute(file, "outcome", outcome);
+      h5::write_attribute(file, h5::kChecksum, root_checksum(file, kUnlimited));
     });
+    std::vector<std::string> checkpoint_sums;
     if (checkpoint != nullptr)
-      session(h5::Mode::append, [&](hid_t file) { write_checkpoint(file, *checkpoint, error); });
+      session(h5::Mode::append, [&](hid_t file) {
+        checkpoint_sums = write_fields(h5::create_group(file, "checkpoint"), *checkpoint, log.error);
+      });
+    session(h5::Mode::read, [&](hid_t file) {
+      read_back(file, sums);
+      for (std::size_t f = 0; f < checkpoint_sums.size(); ++f)
+        read_back_field(file, "checkpoint/" + (*checkpoint)[f].name, checkpoint_sums[f], kUnlimited);
+    });
   } catch (const h5::Error& e) {
     problem = e.what();
   }
   // What HDF5 says after a failed write is only a consequence.
-  if (error != 0) throw InputError("{}: {}", path_.string(), reason(error));
+  if (log.error != 0) throw InputError("{}: {}", path_.string(), reason(log.error));
   if (!problem.empty()) throw InputError("{}: {}", path_.string(), problem);
-  file_ = next.install(committed_ || overwrite_);
+  Spare former;
+  if (committed_)
+    former = next.exchange(file_, std::move(log.changes));
+  else
+    file_ = next.install(overwrite_);
 
   committed_ = true;
   finished_ = finished;
   outcome_ = outcome;
   series_stored_ = !columns_.empty();
+  sums_ = std::move(sums);
   for (Snapshot& snapshot : new_snapshots_) snapshots_.push_back(std::move(snapshot.info));
   new_attributes_.clear();
   new_groups_.clear();
   new_snapshots_.clear();
   for (auto& column : new_series_) column.clear();
+  waiting_ = 0;
   sync_folder(path_);
+  if (!finished) spare_ = std::move(former);  // only now does nothing need it on the disk
 }
 
 /// Everything that was added.
-void ResultFile::write_lasting(std::int64_t file, const int& error) const {
+void ResultFile::write_lasting(std::int64_t file, const std::vector<RunningChecksum>& sums,
+                               const int& error) const {
   if (!committed_) {
     write_value(file, "format", std::string(kFormat));
     write_value(file, "format_version", kFormatVersion);
@@ -240,10 +330,11 @@ void ResultFile::write_lasting(std::int64_t file, const int& error) const {
       const h5::Dataset dataset = h5::create_growing(series, column.name);
       h5::write_attribute(dataset, "unit", column.unit);
       h5::write_attribute(dataset, "help", column.help);
+      h5::write_attribute(dataset, h5::kChecksum, RunningChecksum().digest());
     }
   }
   for (std::size_t c = 0; c < columns_.size() && error == 0; ++c)
-    h5::append(file, "series/" + columns_[c].name, new_series_[c]);
+    h5::append(file, "series/" + columns_[c].name, new_series_[c], sums[c].digest());
   for (std::size_t k = 0; k < new_snapshots_.size() && error == 0; ++k) {
     const h5::Group group = h5::create_group(file, snapshot_group(snapshots_.size() + k));
     write_value(group, "time", new_snapshots_[k].info.time);
@@ -251,6 +342,38 @@ void ResultFile::write_lasting(std::int64_t file, const int& error) const {
     write_value(group, "epoch", new_snapshots_[k].info.epoch);
     write_fields(group, new_snapshots_[k].fields, error);
   }
+}
+
+/// Throws h5::Error unless what write_lasting wrote is in the file.
+void ResultFile::read_back(std::int64_t file, const std::vector<RunningChecksum>& sums) const {
+  if (read_value<std::string>(file, h5::kChecksum, kUnlimited) != root_checksum(file, kUnlimited))
+    fail_reading_back("attributes");
+  for (const StoredField& attribute : new_attributes_)
+    if (h5::read_attribute(file, attribute.name, kUnlimited).bytes != attribute.value.bytes)
+      fail_reading_back("attribute " + attribute.name);
+  for (const Group& group : new_groups_) read_back_fields(file, group.name, group.fields, kUnlimited);
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    const std::string name = "series/" + columns_[c].name;
+    const std::vector<double>& added = new_series_[c];
+    const std::vector<double> tail = h5::read_tail(file, name, added.size());
+    if (!std::ranges::equal(std::as_bytes(std::span(tail)), std::as_bytes(std::span(added))))
+      fail_reading_back(name);
+    const h5::Dataset dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT), name);
+    if (read_value<std::string>(dataset, h5::kChecksum, kUnlimited) != sums[c].digest())
+      fail_reading_back(name);
+  }
+  const std::size_t former = snapshots_.size();
+  for (std::size_t k = 0; k < new_snapshots_.size(); ++k) {
+    const std::string name = snapshot_group(former + k);
+    const SnapshotInfo info = read_info(file, former + k, kUnlimited);
+    const SnapshotInfo& added = new_snapshots_[k].info;
+    if (std::memcmp(&info.time, &added.time, sizeof info.time) != 0 || info.stage != added.stage ||
+        info.epoch != added.epoch)
+      fail_reading_back(name);
+    read_back_fields(file, name, new_snapshots_[k].fields, kUnlimited);
+  }
+  if (h5::names(h5::open_group(file, "snapshots")).size() != former + new_snapshots_.size())
+    fail_reading_back("snapshots");
 }
 
 void ResultFile::read_attributes(const FieldTable& table) const {

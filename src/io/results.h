@@ -7,7 +7,9 @@
 //   /series           one dataset per column
 //   /checkpoint       the state to continue from
 //
-// Datasets carry the attributes unit, help and axis. Everything reads with any HDF5 1.10 or newer.
+// Datasets carry the attributes unit, help, axis and xxh3_128, the checksum of their bytes; that of the root's
+// attributes (but scene, which has its own) is the root's. Equal results are equal files. Everything reads with
+// any HDF5 1.10 or newer.
 #pragma once
 
 #include <filesystem>
@@ -15,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "io/checksum.h"
 #include "io/fields.h"
 #include "core/safe_file.h"
 
@@ -31,6 +34,8 @@ struct SnapshotInfo {
 };
 
 /// What is added waits in memory until commit(), which writes all of it or nothing; only then can it be read.
+/// A commit costs what is new: the version before the last stays beside the file, under a temporary name, and
+/// becomes the next one, unless somebody is reading it.
 /// Errors of the file are InputError with one line: file, object, reason. Not for use by several threads at
 /// once.
 class ResultFile {
@@ -40,6 +45,8 @@ class ResultFile {
   static ResultFile create(const std::filesystem::path& path, const FieldTable& attributes, bool overwrite);
   /// For reading only; several processes may, also while another one writes.
   static ResultFile open(const std::filesystem::path& path);
+  /// For reading what is left of a damaged file: of the snapshots only whole ones, the rest as it comes.
+  static ResultFile open_damaged(const std::filesystem::path& path);
   /// For reading and adding; no other process can do the same meanwhile.
   static ResultFile open_to_continue(const std::filesystem::path& path);
 
@@ -51,9 +58,13 @@ class ResultFile {
   /// One value per column.
   void add_series_row(std::span<const double> values);
 
+  /// Bytes that wait in memory for the next commit.
+  std::uint64_t waiting() const { return waiting_; }
+
   /// Writes what was added and replaces the checkpoint. The file is at every moment the old or the new one,
-  /// also if the process is killed. After a failure (a full disk) the old file is untouched, everything added
-  /// is still waiting, and commit may be called again.
+  /// also if the process is killed; the new one is read back before it takes the old one's place. After a
+  /// failure (a full disk) the old file is untouched, everything added is still waiting, and commit may be
+  /// called again.
   void commit(const FieldTable& checkpoint);
   /// The same, but leaves checkpoint, finished and outcome as they are.
   void commit();
@@ -97,20 +108,25 @@ class ResultFile {
   static ResultFile load(const std::filesystem::path& path, FileDescriptor file, bool writable);
   void require_writable() const;
   void read_index();
+  void read_damaged_index();
   void read_group(const std::string& group, const FieldTable& table) const;
   void write(const FieldTable* checkpoint, bool finished, const std::string& outcome);
-  void write_lasting(std::int64_t file, const int& error) const;
+  void write_lasting(std::int64_t file, const std::vector<RunningChecksum>& sums, const int& error) const;
+  void read_back(std::int64_t file, const std::vector<RunningChecksum>& sums) const;
   template <class Work>
   auto reading(Work&& work) const;
 
   std::filesystem::path path_;
   FileDescriptor file_;  ///< the committed file; empty before the first commit, or the one to overwrite
+  Spare spare_;          ///< the version before
   bool writable_ = false;
+  bool damaged_ = false;  ///< opened as such
   bool committed_ = false;  ///< file_ holds this run
   bool overwrite_ = false;
 
   std::vector<SnapshotInfo> snapshots_;
   std::vector<SeriesColumn> columns_;
+  std::vector<RunningChecksum> sums_;  ///< of the committed rows, by column; empty for reading only
   bool series_stored_ = false;
   bool finished_ = false;
   std::string outcome_;
@@ -119,6 +135,7 @@ class ResultFile {
   std::vector<Group> new_groups_;
   std::vector<Snapshot> new_snapshots_;
   std::vector<std::vector<double>> new_series_;  ///< by column
+  std::uint64_t waiting_ = 0;                    ///< bytes
 };
 
 }  // namespace cairn
