@@ -1,6 +1,7 @@
 #include "io/fields.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <stdexcept>
@@ -166,7 +167,51 @@ std::string unequal_rows(const FieldTable& table) {
   return {};
 }
 
+bool is_finite(double x) {
+  return std::isfinite(x);
+}
+bool is_finite(float x) {
+  return std::isfinite(x);
+}
+bool is_finite(const Quat& q) {
+  return q.coeffs().allFinite();
+}
+template <class Scalar>
+bool is_finite(const Eigen::Vector3<Scalar>& v) {
+  return v.allFinite();
+}
+
+template <class T>
+concept Real = requires(const T& value) {
+  is_finite(value);
+}
+&&!std::is_integral_v<T>;
+
 }  // namespace
+
+std::string not_finite(const FieldTable& table) {
+  for (const Field& field : table) {
+    if (field.domain == Domain::any) continue;
+    std::string found;
+    std::visit(
+        [&](const auto& value) {
+          using Value = Pointed<decltype(value)>;
+          if constexpr (IsVector<Value>::value) {
+            if constexpr (Real<typename Value::value_type>)
+              for (std::size_t k = 0; k < value->size() && found.empty(); ++k)
+                if (!is_finite((*value)[k]))
+                  found =
+                      fmt::format("{} of {} {}", field.name,
+                                  field.axis.empty() || field.axis.ends_with('/') ? "row" : field.axis, k);
+          } else if constexpr (Real<Value>) {
+            if (!is_finite(*value)) found = field.name;
+          }
+        },
+        field.data);
+    if (!found.empty()) return found;
+  }
+  return {};
+}
 
 std::uint64_t Array::elements() const {
   std::uint64_t count = 1;

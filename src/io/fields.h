@@ -14,6 +14,9 @@ namespace cairn {
 
 using Vec3f = Eigen::Vector3f;  ///< single precision, for display only
 
+/// What the numbers of a field may be.
+enum class Domain { finite, any };
+
 enum class ElementType { f64, f32, u64, i64, u32, u16, u8, text };
 
 /// A value as the file stores it. `text` elements have `text_length` bytes each, padded with NUL.
@@ -38,6 +41,7 @@ struct Field {
                bool*, Vec3*, Quat*, std::string*, std::function<Array()>>
       data;               ///< a function makes what is written, when it is; it cannot be read
   std::string axis = {};  ///< what a row is, "sphere"; fields of one axis in one table have equally many rows
+  Domain domain = Domain::finite;
 };
 using FieldTable = std::vector<Field>;
 
@@ -68,6 +72,10 @@ Array make_rows(std::size_t rows, const std::function<void(T*)>& fill);
 /// Sets what `field` points at; vectors are resized. Throws InputError ("position: ...") when type or shape
 /// differ from the field's.
 void decode(const Array& value, const Field& field);
+
+/// The first number of the table that should be finite and is not: "velocity of body 17"; empty: none.
+/// Functions are not called.
+std::string not_finite(const FieldTable& table);
 
 /// Throws InputError naming the first field whose rows differ from those of another field of its axis.
 void require_equal_rows(const FieldTable& table);

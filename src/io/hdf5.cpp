@@ -282,7 +282,8 @@ void write_attribute(hid_t object, const std::string& name, const Array& value) 
     }
   }
   if (attribute < 0)
-    attribute = AttributeHandle(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), name);
+    attribute =
+        AttributeHandle(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), name);
   check(H5Awrite(attribute, type, value.bytes.data()), name);
 }
 
@@ -352,8 +353,7 @@ std::vector<double> read_tail(hid_t parent, const std::string& name, std::uint64
   std::vector<double> values(size);
   const Space file(H5Dget_space(dataset), name), memory(H5Screate_simple(1, &size, nullptr), name);
   check(H5Sselect_hyperslab(file, H5S_SELECT_SET, &start, nullptr, &size, nullptr), name);
-  if (size > 0)
-    check(H5Dread(dataset, H5T_IEEE_F64LE, memory, file, H5P_DEFAULT, values.data()), name);
+  if (size > 0) check(H5Dread(dataset, H5T_IEEE_F64LE, memory, file, H5P_DEFAULT, values.data()), name);
   return values;
 }
 

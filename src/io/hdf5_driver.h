@@ -1,4 +1,5 @@
-// The way HDF5 reaches the disk: through an open file descriptor, remembering what it did and the first failure.
+// The way HDF5 reaches the disk: through an open file descriptor, remembering what it did and the first
+// failure.
 #pragma once
 
 #include <hdf5.h>

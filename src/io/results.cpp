@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "cairn result";
 constexpr std::int64_t kFormatVersion = 2;
+constexpr const char *kScene = "scene", *kSceneChecksum = "scene_xxh3_128";
 constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();  // of what we wrote ourselves
 
 std::string snapshot_group(std::size_t k) {
@@ -66,7 +67,7 @@ std::vector<std::string> write_fields(hid_t group, const Fields& fields, const i
 std::string root_checksum(hid_t file, std::uint64_t limit) {
   RunningChecksum sum;
   for (const std::string& name : h5::attribute_names(file)) {
-    if (name == h5::kChecksum || name == "scene") continue;
+    if (name == h5::kChecksum || name == kScene) continue;
     sum.add(std::as_bytes(std::span(name)));
     sum.add(h5::read_attribute(file, name, limit).bytes);
   }
@@ -102,8 +103,7 @@ auto ResultFile::reading(Work&& work) const {
   if (!committed_) throw std::logic_error("nothing has been committed yet");
   h5::DiskLog log;
   try {
-    const h5::File file =
-        h5::open_file(file_.get(), damaged_ ? h5::Mode::read_cut_off : h5::Mode::read, log);
+    const h5::File file = h5::open_file(file_.get(), damaged_ ? h5::Mode::read_cut_off : h5::Mode::read, log);
     return work(file, size_of(file_));
   } catch (const h5::Error& e) {
     throw InputError("{}: {}", path_.string(), log.error != 0 ? reason(log.error) : e.what());
@@ -163,6 +163,10 @@ void ResultFile::read_index() {
       throw InputError("format version {}, this program reads {}", version, kFormatVersion);
     if (read_value<std::string>(file, h5::kChecksum, limit) != root_checksum(file, limit))
       throw InputError("damaged, the checksum of its attributes is another");
+    if (h5::has_attribute(file, kScene))
+      scene_as_written_ = h5::has_attribute(file, kSceneChecksum) &&
+                          read_value<std::string>(file, kSceneChecksum, limit) ==
+                              checksum(h5::read_attribute(file, kScene, limit).bytes);
     finished_ = read_value<bool>(file, "finished", limit);
     outcome_ = read_value<std::string>(file, "outcome", limit);
     const std::size_t count = h5::names(h5::open_group(file, "snapshots")).size();
@@ -198,6 +202,11 @@ void ResultFile::read_damaged_index() {
 
 void ResultFile::require_writable() const {
   if (!writable_) throw std::logic_error("the result file is open for reading only");
+}
+
+void ResultFile::write_attributes(const FieldTable& attributes) {
+  require_writable();
+  new_attributes_ = encode(attributes);
 }
 
 void ResultFile::write_static(const std::string& group, const FieldTable& table) {
@@ -316,9 +325,11 @@ void ResultFile::write_lasting(std::int64_t file, const std::vector<RunningCheck
   if (!committed_) {
     write_value(file, "format", std::string(kFormat));
     write_value(file, "format_version", kFormatVersion);
-    for (const StoredField& attribute : new_attributes_)
-      h5::write_attribute(file, attribute.name, attribute.value);
     h5::create_group(file, "snapshots");
+  }
+  for (const StoredField& attribute : new_attributes_) {
+    h5::write_attribute(file, attribute.name, attribute.value);
+    if (attribute.name == kScene) h5::write_attribute(file, kSceneChecksum, checksum(attribute.value.bytes));
   }
   for (const Group& group : new_groups_) {
     h5::remove(file, group.name);

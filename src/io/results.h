@@ -7,9 +7,9 @@
 //   /series           one dataset per column
 //   /checkpoint       the state to continue from
 //
-// Datasets carry the attributes unit, help, axis and xxh3_128, the checksum of their bytes; that of the root's
-// attributes (but scene, which has its own) is the root's. Equal results are equal files. Everything reads with
-// any HDF5 1.10 or newer.
+// Datasets carry the attributes unit, help, axis and xxh3_128, the checksum of their bytes; that of the
+// root's attributes (but scene, which has its own) is the root's. Equal results are equal files. Everything
+// reads with any HDF5 1.10 or newer.
 #pragma once
 
 #include <filesystem>
@@ -50,6 +50,8 @@ class ResultFile {
   /// For reading and adding; no other process can do the same meanwhile.
   static ResultFile open_to_continue(const std::filesystem::path& path);
 
+  /// Replaces attributes given to create().
+  void write_attributes(const FieldTable& attributes);
   /// Adds a group of constants; replaces the one of that name.
   void write_static(const std::string& group, const FieldTable& table);
   void add_snapshot(double time, const std::string& stage, const FieldTable& table, std::uint64_t epoch = 0);
@@ -77,6 +79,8 @@ class ResultFile {
   const std::filesystem::path& path() const { return path_; }
   bool finished() const { return finished_; }
   const std::string& outcome() const { return outcome_; }
+  /// Whether the attribute `scene` is the text that was written.
+  bool scene_is_as_written() const { return scene_as_written_; }
   /// The committed ones, in order.
   const std::vector<SnapshotInfo>& snapshots() const { return snapshots_; }
 
@@ -120,7 +124,7 @@ class ResultFile {
   FileDescriptor file_;  ///< the committed file; empty before the first commit, or the one to overwrite
   Spare spare_;          ///< the version before
   bool writable_ = false;
-  bool damaged_ = false;  ///< opened as such
+  bool damaged_ = false;    ///< opened as such
   bool committed_ = false;  ///< file_ holds this run
   bool overwrite_ = false;
 
@@ -129,6 +133,7 @@ class ResultFile {
   std::vector<RunningChecksum> sums_;  ///< of the committed rows, by column; empty for reading only
   bool series_stored_ = false;
   bool finished_ = false;
+  bool scene_as_written_ = true;
   std::string outcome_;
 
   std::vector<StoredField> new_attributes_;

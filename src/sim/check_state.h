@@ -1,0 +1,27 @@
+// What a damaged or edited file could get wrong, and what a run must never write.
+#pragma once
+
+#include "io/fields.h"
+#include "sim/fields.h"
+#include "sim/state.h"
+
+namespace cairn {
+
+/// Poses and momenta of all bodies, and their materials, of which there are so many: as many as bodies, unit
+/// quaternions, all finite.
+/// @throws InputError naming the quantity and the body.
+void check_motion(const Bodies& bodies, std::size_t materials);
+
+/// Contacts of spheres of different bodies, each once and in order.
+/// @throws InputError naming the spheres.
+void check_contacts(const ContactColumns& contacts, const Bodies& bodies);
+
+/// Everything else of a checkpoint from which a run of so many stages is to go on; contacts with walls are
+/// left to the walls.
+/// @throws InputError naming what does not fit.
+void check_checkpoint(const State& state, std::size_t stages);
+
+/// @throws UnstableError with quantity, body and time (s) when a number of the table is not finite.
+void require_finite(const FieldTable& table, double time);
+
+}  // namespace cairn
