@@ -58,6 +58,18 @@ Trial try_stage(const Scene& scene, const Physics& physics, const std::vector<Co
   return trial;
 }
 
+/// Bytes that a stage adds to the result file.
+double output_size(const Physics& physics, const Bodies& bodies) {
+  const auto bodies_count = static_cast<double>(bodies.size()),
+             spheres = static_cast<double>(bodies.spheres.size());
+  const double time = static_cast<double>(physics.steps) * physics.contacts.dt;
+  const auto times = [&](double interval) {
+    return interval > 0.0 ? time / std::max(interval, physics.contacts.dt) + 2.0 : 2.0;
+  };
+  return times(physics.snapshot_interval) * (105.0 * bodies_count + 26.0 * spheres) +
+         times(physics.series_interval) * 8.0 * static_cast<double>(series_columns().size());
+}
+
 void check(const Options& options) {
   Scene scene = load_scene(options.scene);
   load_tracks(scene);
@@ -73,7 +85,7 @@ void check(const Options& options) {
              options.scene.string(), scene.title, bodies.size(), bodies.spheres.size(), mass,
              escape_speed(bodies));
   std::optional<Trial> trial;  // of the first stage that takes time; the bodies after it are not known
-  double seconds = 0.0, held = state.k_n;
+  double seconds = 0.0, held = state.k_n, output = 0.0;  // bytes of snapshots and of the series
   for (std::size_t k = 0; k < scene.stages.size(); ++k) {
     if (scene.stages[k].operates()) {
       fmt::print("stage {} '{}'\n  operation  {}\n", k, scene.stages[k].name, describe_operation(scene, k));
@@ -92,6 +104,7 @@ void check(const Options& options) {
     }
     seconds += static_cast<double>(physics.steps) *
                (trial->step + trial->row * std::min(1.0, physics.contacts.dt / physics.series_interval));
+    output += output_size(physics, bodies);
     fmt::print(
         "stage {} '{}'\n  models     {}\n  stiffness  {:.4g} N/m; shortest contact {:.4g} s\n"
         "  time step  {:.4g} s (longest safe {:.4g} s), {} steps for {:.6g} s\n",
@@ -117,8 +130,9 @@ void check(const Options& options) {
   fmt::print(
       "memory up to {:.0f} MB; about {:.3g} min at the speed of the first steps ({:.2f} M sphere-steps/s on "
       "{} threads{})\n",
-      1e-6 * (program + bytes_per_sphere * spheres), seconds / 60.0, 1e-6 * spheres / trial->step,
-      omp_get_max_threads(), trial->coordination < 2.0 ? "; dense piles have more contacts than clouds" : "");
+      1e-6 * (program + bytes_per_sphere * spheres + std::min(output, 1.0 * kMostWaiting)), seconds / 60.0,
+      1e-6 * spheres / trial->step, omp_get_max_threads(),
+      trial->coordination < 2.0 ? "; dense piles have more contacts than clouds" : "");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "app/commands.h"
 #include "app/run_loop.h"
 #include "app/summary.h"
+#include "core/build.h"
 #include "core/error.h"
 #include "io/xdmf.h"
 #include "pile/assemble.h"
@@ -30,6 +31,7 @@ void start(const Options& options) {
                            .scene = scene.text,
                            .directory = std::filesystem::absolute(scene.directory).string(),
                            .version = CAIRN_VERSION,
+                           .build = build_name(),
                            .seed = scene.seed};
   std::error_code none;
   if (!scene.pile.empty() && std::filesystem::equivalent(scene.pile, output, none))

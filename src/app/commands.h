@@ -11,5 +11,6 @@ void add_run_commands(CLI::App& app);
 void add_render_command(CLI::App& app);
 void add_summary_command(CLI::App& app);
 void add_xdmf_command(CLI::App& app);
+void add_info_command(CLI::App& app);
 
 }  // namespace cairn

@@ -89,6 +89,7 @@ int main(int argc, char** argv) {
   cairn::add_run_commands(app);
   cairn::add_render_command(app);
   cairn::add_summary_command(app);
+  cairn::add_info_command(app);
   cairn::add_xdmf_command(app);
   return end(run(app, argc, argv), app);
 }

@@ -99,6 +99,7 @@ class ProgressBar {
 }  // namespace
 
 void run_to_end(Run run) {
+  for (const std::string& difference : run.differences()) spdlog::warn("{}", difference);
   const SignalGuard guard;
   use_threads_for(run.sphere_count());
   ProgressBar bar;

@@ -121,7 +121,8 @@ bool is_ours_alone(int fd) {
   // On other machines' file systems only locks are seen.
   if (flock(fd, LOCK_EX | LOCK_NB) != 0) return false;
   flock(fd, LOCK_UN);
-  // Should somebody open it at this very moment, the kernel sends a signal, which must be one that is ignored.
+  // Should somebody open it at this very moment, the kernel sends a signal, which must be one that is
+  // ignored.
   fcntl(fd, F_SETSIG, SIGURG);
   if (fcntl(fd, F_SETLEASE, F_WRLCK) != 0) return false;
   fcntl(fd, F_SETLEASE, F_UNLCK);
@@ -131,7 +132,8 @@ bool is_ours_alone(int fd) {
 /// Gives `spare` the bytes of `present`; whether that went well.
 bool catch_up(const Spare& spare, int present) {
   const int fd = spare.version.file.get();
-  struct stat info {}, now{};
+  struct stat info {
+  }, now{};
   if (!is_ours_alone(fd) || fstat(fd, &info) != 0 || fstat(present, &now) != 0) return false;
   if (spare.behind.shortest() < static_cast<std::uint64_t>(info.st_size) &&
       ftruncate(fd, static_cast<off_t>(spare.behind.shortest())) != 0)

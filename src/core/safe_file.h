@@ -23,8 +23,8 @@ void require_writable(const std::filesystem::path& path, bool overwrite);
 /// The same, and nobody else writes the file that is there. Returns its lock.
 FileDescriptor claim(const std::filesystem::path& path, bool overwrite);
 
-/// An earlier version of a file, kept beside it under a temporary name, so that the next version need not begin
-/// as a copy of all. Removed when it goes.
+/// An earlier version of a file, kept beside it under a temporary name, so that the next version need not
+/// begin as a copy of all. Removed when it goes.
 struct Spare {
   TemporaryFile version;  ///< without a file: there is none
   Changes behind;         ///< what it lacks of the present version
@@ -65,7 +65,8 @@ class Replacement {
   Spare exchange(FileDescriptor& file, Changes changes);
 
  private:
-  Replacement(std::filesystem::path path, TemporaryFile next) : path_(std::move(path)), next_(std::move(next)) {}
+  Replacement(std::filesystem::path path, TemporaryFile next)
+      : path_(std::move(path)), next_(std::move(next)) {}
 
   std::filesystem::path path_;
   TemporaryFile next_;

@@ -180,6 +180,10 @@ void ResultFile::read_index() {
       columns_.push_back({name, read_value<std::string>(column, "unit", limit),
                           read_value<std::string>(column, "help", limit)});
     }
+    const std::vector<DatasetInfo> stored = h5::datasets(series);
+    for (const DatasetInfo& column : stored)
+      if (column.shape.size() != 1 || column.shape != stored.front().shape)
+        throw InputError("series/{}: has not as many rows as the other columns", column.name);
     new_series_.resize(columns_.size());
     if (!writable_) return;
     sums_.resize(columns_.size());

@@ -13,7 +13,7 @@ constexpr Bounds kPath = within(1, 4096);
 constexpr Bounds kPosition = magnitude(1e15);
 constexpr Bounds kVelocity = magnitude(3e8);
 constexpr Bounds kSize = within(1e-9, 1e9);
-constexpr Bounds kDensity = above(0, 1e9);
+constexpr Bounds kDensity = within(1e-6, 1e9);
 constexpr Bounds kFraction = within(0, 1);
 constexpr Bounds kCoefficient = within(0, 1e6);
 constexpr Bounds kTime = within(0, 1e15);
@@ -291,7 +291,7 @@ const Keys<ScaleSpec> kScaleKeys = {
         .required(),
     choice("by", &ScaleSpec::by, {{"mass", ScaleBy::mass}, {"size", ScaleBy::size}},
            "masses change and lengths stay, or lengths change (the volume's too) and masses stay"),
-    number("volume", &ScaleSpec::volume, "m^3", above(0, 1e30),
+    number("volume", &ScaleSpec::volume, "m^3", within(1e-30, 1e30),
            "that the bodies fill; absent: that of the region last carved"),
 };
 

@@ -113,6 +113,20 @@ std::string scale(const ScaleSpec& spec, State& state, std::vector<ContactRecord
   return fmt::format("lengths x {:.5g}: bulk density {:.5g} -> {:.5g} kg/m^3", factor, bulk, spec.density);
 }
 
+/// Throws when an operation has made bodies such as no scene could have asked for.
+void check_bodies(const Bodies& bodies) {
+  constexpr double kSmallest = 1e-9, kLargest = 1e9, kThinnest = 1e-12, kDensest = 1e15;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const double size = bodies.length[b], density = bodies.mass[b] / bodies.volume[b];
+    if (!(size >= kSmallest && size <= kLargest))
+      throw InputError("body {} would have a size of {:.3g} m; expected {:g} to {:g} m", b, size, kSmallest,
+                       kLargest);
+    if (!(density >= kThinnest && density <= kDensest))
+      throw InputError("body {} would have a density of {:.3g} kg/m^3; expected {:g} to {:g} kg/m^3", b,
+                       density, kThinnest, kDensest);
+  }
+}
+
 std::string assign(const AssignSpec& spec, const Region& region, const Scene& scene, State& state) {
   Bodies& bodies = state.bodies;
   std::vector<std::uint8_t> chosen = members(bodies, region, false);
@@ -185,9 +199,18 @@ std::string operate(const Scene& scene, std::size_t index, State& state,
     const Region region = load_region(stage.carve->region, scene, key("carve.region"));
     return doing(key("carve"), [&] { return carve(*stage.carve, region, state, contacts); });
   }
-  if (stage.scale) return doing(key("scale"), [&] { return scale(*stage.scale, state, contacts); });
+  if (stage.scale)
+    return doing(key("scale"), [&] {
+      std::string what = scale(*stage.scale, state, contacts);
+      check_bodies(state.bodies);
+      return what;
+    });
   const Region region = load_region(stage.assign->region, scene, key("assign.region"));
-  return doing(key("assign"), [&] { return assign(*stage.assign, region, scene, state); });
+  return doing(key("assign"), [&] {
+    std::string what = assign(*stage.assign, region, scene, state);
+    check_bodies(state.bodies);
+    return what;
+  });
 }
 
 }  // namespace cairn

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "io/results.h"
+#include "sim/check_state.h"
 #include "sim/fields.h"
 
 namespace cairn {
@@ -12,21 +13,10 @@ namespace {
 
 /// What a damaged or edited file could get wrong; errors lack the file's name.
 void check_pile(const State& state, std::size_t materials, const ContactColumns& contacts) {
-  const Bodies& bodies = state.bodies;
-  const std::size_t spheres = bodies.spheres.size();
-  if (bodies.position.size() != bodies.size() || bodies.remainder.size() != bodies.size() ||
-      (!bodies.cell.empty() && bodies.cell.size() != bodies.size()))
-    throw InputError("checkpoint: expected as many poses as bodies");
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (bodies.material[b] >= materials)
-      throw InputError("bodies/material: body {} has a material that is not in the file", b);
-    if (!bodies.position[b].allFinite() || !bodies.velocity[b].allFinite() || !bodies.spin[b].allFinite() ||
-        !bodies.orientation[b].coeffs().allFinite())
-      throw InputError("checkpoint: the motion of body {} is not finite", b);
-  }
-  for (std::size_t k = 0; k < contacts.i.size(); ++k)
-    if (contacts.i[k] >= contacts.j[k] || contacts.j[k] >= spheres)
-      throw InputError("checkpoint/contacts: spheres {} and {} cannot touch", contacts.i[k], contacts.j[k]);
+  check_motion(state.bodies, materials);
+  check_contacts(contacts, state.bodies);
+  if (!(state.box.edge.minCoeff() >= 0.0 && state.k_n >= 0.0 && state.region_volume >= 0.0))
+    throw InputError("checkpoint: box, stiffness, region_volume: expected 0 or more");
 }
 
 /// Numbers in `materials` of the file's materials.
@@ -69,6 +59,8 @@ Setup read_pile(const std::filesystem::path& path, const std::vector<Material>& 
   });
   file.read_checkpoint(fields);
   try {
+    if (const std::string what = not_finite(fields); !what.empty())
+      throw InputError("checkpoint/{}: not finite", what);
     check_pile(state, names.size(), contacts);
     // Only materials that bodies have are asked of the scene; those of single stages or walls are not.
     std::vector<std::uint16_t> used = state.bodies.material;

@@ -35,8 +35,9 @@ void check_clock(const Clock& clock, const std::vector<double>& starts, std::siz
           "clock/stage_start: expected a time from 0 s");
   require(std::isfinite(clock.dt) && (clock.dt > 0.0 || clock.steps == 0),
           "clock/dt: expected more than 0 s");
-  const std::size_t begun = clock.stage + (clock.steps > 0 ? 1 : 0);
-  require(starts.size() == begun, "clock/stage_starts: expected one for each stage so far");
+  // A last stage that takes no time has begun, too.
+  require(starts.size() == clock.stage + 1 || (starts.size() == clock.stage && clock.steps == 0),
+          "clock/stage_starts: expected one for each stage so far");
   require(std::ranges::all_of(starts, [](double t) { return std::isfinite(t) && t >= 0.0; }) &&
               std::ranges::is_sorted(starts) && (starts.empty() || starts.back() <= clock.time()),
           "clock/stage_starts: expected times in order");
@@ -99,8 +100,11 @@ void check_contacts(const ContactColumns& contacts, const Bodies& bodies) {
   }
 }
 
-void check_checkpoint(const State& state, std::size_t stages) {
+void check_checkpoint(const State& state, std::size_t stages, std::size_t walls) {
   const std::size_t n = state.bodies.size();
+  const WallLoads& loads = state.walls.loads;
+  for (const auto* column : {&loads.force, &loads.torque, &loads.impulse, &loads.angular_impulse})
+    require(column->size() == walls, "walls: expected as many loads as walls");
   check_clock(state.clock, state.stage_starts, stages);
   check_gravity(state);
   require(state.remnant.size() == n && std::ranges::all_of(state.remnant, [](auto m) { return m <= 1; }) &&
@@ -110,9 +114,28 @@ void check_checkpoint(const State& state, std::size_t stages) {
           "box/edge: expected 0 or more");
   require(state.strain.start.minCoeff() >= 0.0 && state.strain.until >= 0.0, "strain: expected 0 or more");
   require(state.region_volume >= 0.0, "region_volume: expected 0 or more");
-  require(state.k_n > 0.0 || (state.k_n == 0.0 && state.clock.steps == 0), "stiffness: expected more than 0");
+  require(state.k_n >= 0.0, "stiffness: expected 0 or more");
   const Ledger& ledger = state.ledger;
   require(ledger.largest_overlap >= 0.0 && ledger.recent_overlap >= 0.0, "ledger: a negative overlap");
+}
+
+void check_stage(const State& state, std::uint64_t steps, double dt, bool gravity) {
+  const Clock& clock = state.clock;
+  require(
+      clock.steps == steps && clock.dt == dt,
+      "clock/steps, clock/dt: expected those of the stage that the run is in; only later stages of a scene "
+      "can be edited");
+  const gravity::HeldGravity& held = state.gravity;
+  require(!gravity || (held.steps > 0 && held.due >= clock.step && held.due - clock.step <= held.steps),
+          "gravity/due: expected a step of the present interval");
+}
+
+void require_documented(const std::vector<SeriesColumn>& columns, std::span<const double> row, double time) {
+  for (std::size_t c = 0; c < row.size(); ++c) {
+    const char* may_be = std::isnan(row[c]) ? "NaN" : std::isinf(row[c]) ? "infinite" : nullptr;
+    if (may_be != nullptr && columns[c].help.find(may_be) == std::string::npos)
+      throw UnstableError("{} is {} at t = {:.6g} s", columns[c].name, may_be, time);
+  }
 }
 
 void require_finite(const FieldTable& table, double time) {

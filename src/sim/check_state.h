@@ -1,7 +1,10 @@
 // What a damaged or edited file could get wrong, and what a run must never write.
 #pragma once
 
+#include <span>
+
 #include "io/fields.h"
+#include "io/results.h"
 #include "sim/fields.h"
 #include "sim/state.h"
 
@@ -16,12 +19,21 @@ void check_motion(const Bodies& bodies, std::size_t materials);
 /// @throws InputError naming the spheres.
 void check_contacts(const ContactColumns& contacts, const Bodies& bodies);
 
-/// Everything else of a checkpoint from which a run of so many stages is to go on; contacts with walls are
-/// left to the walls.
+/// Everything else of a checkpoint from which a run of so many stages and walls is to go on; contacts with
+/// walls are left to these.
 /// @throws InputError naming what does not fit.
-void check_checkpoint(const State& state, std::size_t stages);
+void check_checkpoint(const State& state, std::size_t stages, std::size_t walls);
+
+/// Whether the clock is that of the stage it is in, which has so many steps of `dt` (s), with self-gravity or
+/// without.
+/// @throws InputError naming what does not fit.
+void check_stage(const State& state, std::uint64_t steps, double dt, bool gravity);
 
 /// @throws UnstableError with quantity, body and time (s) when a number of the table is not finite.
 void require_finite(const FieldTable& table, double time);
+
+/// @throws UnstableError with quantity and time (s) when a value of the row is not finite whose column does
+/// not say that it may be: "NaN" or "infinite" stands in its help.
+void require_documented(const std::vector<SeriesColumn>& columns, std::span<const double> row, double time);
 
 }  // namespace cairn

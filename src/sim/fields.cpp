@@ -152,7 +152,8 @@ FieldTable checkpoint_fields(State& s, const FieldTable& contacts, WallColumns& 
        {"box/rate", "1/s", "d ln(edge)/dt", &s.box.rate},
        {"strain/start", "m", "edges at the start of the stage", &s.strain.start},
        {"strain/rate", "1/s", "of the stage", &s.strain.rate},
-       {"strain/until", "s", "since the start of the stage: when the strain ends", &s.strain.until},
+       {"strain/until", "s", "since the start of the stage: when the strain ends", &s.strain.until, "",
+        Domain::any},
        {"force", "N", "of the last evaluation", &s.bodies.force, "body"},
        {"torque", "N m", "of the last evaluation, about the centre of mass", &s.bodies.torque, "body"},
        {"remnant", "", "1: part of the pile that is spun", &s.remnant, "body"},
@@ -257,14 +258,16 @@ void read_constants(const ResultFile& file, Bodies& b, std::vector<std::string>&
   for (std::size_t k = 0; k < n; ++k) {
     if (b.first_sphere[k] >= b.first_sphere[k + 1])
       fail("bodies/first_sphere: expected increasing entries, found a fall after body {}", k);
-    const bool good = std::isfinite(b.mass[k]) && b.mass[k] > 0.0 && b.inertia[k].allFinite() &&
-                      b.inertia[k].minCoeff() > 0.0;
-    if (!good) fail("bodies/mass, bodies/inertia: expected positive values, body {} has others", k);
+    const auto positive = [](double x) { return std::isfinite(x) && x > 0.0; };
+    const bool good = positive(b.mass[k]) && positive(b.volume[k]) && positive(b.length[k]) &&
+                      b.inertia[k].allFinite() && b.inertia[k].minCoeff() > 0.0;
+    if (!good) fail("bodies/mass, volume, size, inertia: expected positive values, body {} has others", k);
     if (b.shape[k] >= shapes.size())
       fail("bodies/shape: body {} has number {}, there are {} shapes", k, b.shape[k], shapes.size());
     for (std::uint32_t s = b.first_sphere[k]; s < b.first_sphere[k + 1]; ++s)
-      if (b.spheres.body[s] != k || !(b.spheres.radius[s] > 0.0))
-        fail("spheres/body, spheres/radius: sphere {} does not fit body {}", s, k);
+      if (b.spheres.body[s] != k || !positive(b.spheres.radius[s]) || !(b.spheres.mass[s] >= 0.0) ||
+          !std::isfinite(b.spheres.mass[s]) || !b.spheres.offset[s].allFinite())
+        fail("spheres/body, radius, mass, offset: sphere {} does not fit body {}", s, k);
   }
   b.force.resize(n, Vec3::Zero());
   b.torque.resize(n, Vec3::Zero());

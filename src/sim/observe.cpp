@@ -8,6 +8,7 @@
 #include "analysis/budget.h"
 #include "analysis/fragments.h"
 #include "analysis/spin_state.h"
+#include "contact/stiffness.h"
 #include "sim/agitation.h"
 #include "sim/spin_control.h"
 
@@ -24,8 +25,10 @@ using O = Observation;
 constexpr Column kColumns[] = {
     {&O::time, "time", "s", "since the start of the run"},
     {&O::stage, "stage", "", "number of the stage, from 0"},
-    {&O::period, "period", "s", "2 pi I_zz / L_z of the largest remnant about its mass centre"},
-    {&O::spin_target, "spin_target", "s", "period asked for by the spin path; NaN without one"},
+    {&O::period, "period", "s",
+     "2 pi I_zz / L_z of the largest remnant about its mass centre; infinite without spin"},
+    {&O::spin_target, "spin_target", "s",
+     "period asked for by the spin path; NaN without one, infinite where a ramp starts at rest"},
     {&O::axis_a, "axis_a", "m", "longest full extent of the remnant along its principal axes"},
     {&O::axis_b, "axis_b", "m", "middle extent"},
     {&O::axis_c, "axis_c", "m", "shortest extent"},
@@ -53,10 +56,12 @@ constexpr Column kColumns[] = {
     {&O::angular_y, "angular_momentum_y", "kg m^2/s", "total about the mass centre, spins included"},
     {&O::angular_z, "angular_momentum_z", "kg m^2/s", "total about the mass centre, spins included"},
     {&O::momentum_drift, "momentum_drift", "",
-     "|P - P_start - given by fields| over the sum of |P_b|; NaN with walls or a strain"},
+     "|P - P_start - given by fields| over the larger of the sum of |P_b| and, with self-gravity, M v, v the "
+     "escape speed sqrt(2 G M / R) of the bodies packed to a ball of radius R; NaN with walls or a strain"},
     {&O::angular_drift, "angular_momentum_drift", "",
-     "|L - L_start - given by control and perturbers| over the sum of |X x P| + |spin|; NaN with walls or a "
-     "box"},
+     "|L - L_start - given by control and perturbers| over the larger of the sum of |X x P| + |spin| and, "
+     "with "
+     "self-gravity, M R v (see momentum_drift); NaN with walls or a box"},
     {&O::contacts, "contacts", "", "touching pairs of spheres, and of a sphere and a wall"},
     {&O::coordination, "coordination", "", "mean contacts of a sphere, those with walls included"},
     {&O::touching_bodies, "touching_bodies", "", "pairs of bodies that touch, each once"},
@@ -162,17 +167,25 @@ Observation observe(const Physics& physics, const State& state, Scratch& scratch
   o.angular_y = l.y();
   o.angular_z = l.z();
   const bool walls = !state.walls.empty();
-  const auto relative = [](double drift, double scale) { return scale > 0.0 ? drift / scale : drift; };
+  const auto relative = [](double drift, double moving, double falling) {
+    const double scale = std::max(moving, falling);
+    return scale > 0.0 ? drift / scale : drift;
+  };
+  // Of a pile at rest, what its bodies carry is as small as what drifts; what gravity could give them is not.
+  const bool falls = physics.gravity != GravityMethod::none;
+  const double speed = falls ? escape_speed(bodies) : 0.0;
+  const double radius = falls ? 2.0 * kGravitationalConstant * total.mass / (speed * speed) : 0.0;
   const Vec3 given = ledger.perturbers.momentum + ledger.field_momentum +
                      total.mass * state.clock.stage_time() * physics.field;
-  o.momentum_drift = walls || physics.strain_rate != Vec3::Zero()
-                         ? none
-                         : relative((p - ledger.start_momentum - given).norm(), total.momentum_scale);
-  const Vec3 turned = ledger.control_momentum + ledger.perturbers.angular_momentum;
-  o.angular_drift =
-      walls || state.box.periodic()
+  o.momentum_drift =
+      walls || physics.strain_rate != Vec3::Zero()
           ? none
-          : relative((l - ledger.start_angular_momentum - turned).norm(), total.angular_scale_about_center);
+          : relative((p - ledger.start_momentum - given).norm(), total.momentum_scale, total.mass * speed);
+  const Vec3 turned = ledger.control_momentum + ledger.perturbers.angular_momentum;
+  o.angular_drift = walls || state.box.periodic()
+                        ? none
+                        : relative((l - ledger.start_angular_momentum - turned).norm(),
+                                   total.angular_scale_about_center, total.mass * radius * speed);
 
   const std::size_t pairs = state.contacts.contacts(), on_walls = state.walls.contacts.size();
   o.coordination = static_cast<double>(2 * pairs + on_walls) / static_cast<double>(bodies.spheres.size());

@@ -6,8 +6,10 @@
 #include <utility>
 
 #include "analysis/budget.h"
+#include "core/build.h"
 #include "core/error.h"
 #include "core/timer.h"
+#include "sim/check_state.h"
 #include "sim/display.h"
 #include "sim/fields.h"
 #include "sim/make_perturbers.h"
@@ -26,28 +28,22 @@ bool due(const Clock& clock, double interval) {
   return std::floor((step + 0.5) * steps) > std::floor((step - 0.5) * steps);
 }
 
-/// What a damaged or edited file could get wrong.
-void check_checkpoint(const std::filesystem::path& path, const Scene& scene, const State& state) {
-  const std::size_t n = state.bodies.size();
-  const auto fail = [&](const char* what) { throw InputError("{}: checkpoint: {}", path.string(), what); };
-  const std::size_t cells = state.bodies.cell.size();
-  if (state.bodies.position.size() != n || state.bodies.remainder.size() != n || state.remnant.size() != n ||
-      (cells != 0 && cells != n))
-    fail("as many poses as bodies expected");
-  if (state.clock.stage >= scene.stages.size()) fail("its stage is not in the scene");
-  const WallLoads& loads = state.walls.loads;
-  for (const auto* column : {&loads.force, &loads.torque, &loads.impulse, &loads.angular_impulse})
-    if (column->size() != scene.walls.size()) fail("as many loads as walls expected");
-  for (const gravity::Wrenches* w : {&state.gravity.from, &state.gravity.to, &state.gravity.evaluated})
-    for (const std::size_t rows : {w->force.size(), w->torque.size()})
-      if (rows != 0 && rows != n) fail("as many forces of gravity as bodies expected");
-  if (state.gravity.from.force.empty() != (state.gravity.steps == 0) ||
-      state.gravity.evaluated.force.size() < state.gravity.to.force.size() ||
-      state.gravity.evaluated.torque.size() < state.gravity.to.torque.size() ||
-      (!state.gravity.to.force.empty() && state.gravity.to.torque.size() != state.gravity.from.torque.size()))
-    fail("forces of gravity do not belong together");
-  for (std::uint16_t m : state.bodies.material)
-    if (m >= scene.materials.size()) fail("a body's material is not in the scene");
+/// Commits by time take no more than this part of it.
+constexpr double kCommitPart = 0.05;
+
+/// How a file differs from what this program would have written.
+std::vector<std::string> foreign(const ResultFile& file, const RunAttributes& attributes) {
+  std::vector<std::string> out;
+  if (!file.scene_is_as_written())
+    out.push_back(
+        fmt::format("{}: its scene has been edited since the run began; what follows is by the edited one, "
+                    "what was before is not",
+                    file.path().string()));
+  if (attributes.version != CAIRN_VERSION || attributes.build != build_name())
+    out.push_back(
+        fmt::format("{}: written by cairn {} ({}), this is {} ({}); what follows need not have the same bits",
+                    file.path().string(), attributes.version, attributes.build, CAIRN_VERSION, build_name()));
+  return out;
 }
 
 }  // namespace
@@ -57,6 +53,7 @@ FieldTable RunAttributes::table() {
           {"scene", "", "text of the scene file", &scene},
           {"directory", "", "where the scene's relative paths start", &directory},
           {"version", "", "of the program", &version},
+          {"build", "", "of the program: compiler, instruction set, number", &build},
           {"seed", "", "of the random numbers", &seed}};
 }
 
@@ -119,14 +116,23 @@ Run Run::resume(const std::filesystem::path& path, Operation operation) {
                      results.outcome());
   RunAttributes attributes;
   results.read_attributes(attributes.table());
+  std::vector<std::string> differences = foreign(results, attributes);
   Run run(parse_scene(attributes.scene, path.string(), attributes.directory), std::move(results),
           std::move(operation));
+  run.differences_ = std::move(differences);
   State& state = run.state_;
   read_constants(run.results_, state.bodies, run.shapes_);
   ContactColumns contacts;
   WallColumns walls;
-  run.results_.read_checkpoint(checkpoint_fields(state, contacts.table(), walls));
-  check_checkpoint(path, run.scene_, state);
+  const FieldTable fields = checkpoint_fields(state, contacts.table(), walls);
+  run.results_.read_checkpoint(fields);
+  naming(path.string(), [&] {
+    check_motion(state.bodies, run.scene_.materials.size());
+    check_contacts(contacts, state.bodies);
+    check_checkpoint(state, run.scene_.stages.size(), run.scene_.walls.size());
+    if (const std::string what = not_finite(fields); !what.empty())
+      throw InputError("checkpoint/{}: not finite", what);
+  });
   run.results_.declare_series(run_columns(run.scene_));
   run.prepare_bodies();
   run.inherited_ = contacts.records();
@@ -142,10 +148,12 @@ Run Run::resume(const std::filesystem::path& path, Operation operation) {
   for (std::size_t k = 0; k < state.clock.stage; ++k) run.epoch_ += run.scene_.stages[k].operates();
   if (run.results_.has_group("stages")) run.results_.read_static("stages", run.stages_done_.table());
   if (state.clock.steps > 0) {  // within a stage; otherwise it is about to begin
-    if (state.stage_starts.size() <= state.clock.stage)
-      throw InputError("{}: checkpoint: expected the starts of the stages so far", path.string());
     set_walls(run.scene_, state.clock.stage, run.walls_, state.stage_starts, state.walls);
     run.physics_ = resolve_physics(run.scene_, state.clock.stage, state.bodies, state.k_n);
+    naming(path.string(), [&] {
+      check_stage(state, run.physics_.steps, run.physics_.contacts.dt,
+                  run.physics_.gravity != GravityMethod::none);
+    });
     prepare_scratch(run.physics_, state, run.scratch_);
     state.contacts.restore(std::exchange(run.inherited_, {}));
   }
@@ -230,7 +238,9 @@ void Run::look() {
   ScopedTimer timer(scratch_.times[static_cast<std::size_t>(Phase::output)]);
   last_ = observe(physics_, state_, scratch_, link_gap_);
   state_.ledger.recent_overlap = 0.0;  // a row tells that since the row before
-  results_.add_series_row(run_row(scene_, last_, state_));
+  const std::vector<double> values = run_row(scene_, last_, state_);
+  require_documented(results_.series_columns(), values, last_.time);
+  results_.add_series_row(values);
   state_.walls.loads.restart(state_.clock.time());
 }
 
@@ -258,8 +268,10 @@ void Run::add_snapshot() {
                    "sphere"});
   table.push_back({"sphere_velocity", "m/s", "of the centre, for display", &display.velocities, "sphere"});
   table.push_back({"sphere_contacts", "", "number of touching spheres and walls", &touching, "sphere"});
-  table.push_back({"period", "s", "spin period of the largest remnant", &last_.period});
+  table.push_back({"period", "s", "spin period of the largest remnant; infinite without spin", &last_.period,
+                   "", Domain::any});
   table.push_back({"failed", "", "the pile has failed", &state_.control.failed});
+  require_finite(table, state_.clock.time());
   results_.add_snapshot(state_.clock.time(), scene_.stages[state_.clock.stage].name, table, epoch_);
 }
 
@@ -272,10 +284,14 @@ void Run::commit(bool last) {
   walls.assign(within ? state_.walls.numbered_contacts() : state_.walls.contacts);
   const FieldTable table =
       checkpoint_fields(state_, within ? contact_fields(state_.contacts) : inherited.table(), walls);
+  require_finite(table, state_.clock.time());
+  const double start = wall_seconds();
   if (last)
     results_.finish(table, kFinished);
   else
     results_.commit(table);
+  last_commit_ = wall_seconds();
+  commit_seconds_ = last_commit_ - start;
   sidecar_.update(results_);
 }
 
@@ -356,14 +372,13 @@ void Run::leave_stage() {
 
 /// Whether the run is to stop here; checkpoints of a run that goes on are written when their time has come.
 bool Run::checkpoint_asked() {
+  if (results_.waiting() > kMostWaiting) commit(false);
   const double now = wall_seconds();
   if (now - last_watch_ < listener_.watch_interval) return false;
   last_watch_ = now;
   if (listener_.watch && !listener_.watch(*this)) return true;
-  if (now - last_commit_ > scene_.output.checkpoint_interval) {
+  if (now - last_commit_ > std::max(scene_.output.checkpoint_interval, commit_seconds_ / kCommitPart))
     commit(false);
-    last_commit_ = wall_seconds();
-  }
   return false;
 }
 

@@ -14,6 +14,10 @@
 
 namespace cairn {
 
+/// Snapshots and rows of the series that wait in memory for the next commit cause one when they are as large
+/// as this (bytes).
+inline constexpr std::uint64_t kMostWaiting = 64u << 20;
+
 enum class RunEnd { finished, interrupted };
 
 /// Does what a stage that operates asks for to the bodies and their contacts; returns what that was. Room
@@ -42,6 +46,9 @@ class Run {
   /// @throws UnstableError when the physics leaves its bounds; the result file keeps everything until then.
   RunEnd advance(const Listener& listener);
 
+  /// How the program and the scene of a run that is resumed differ from those it was started with, in a line
+  /// each: what follows is then not what it would have been.
+  const std::vector<std::string>& differences() const { return differences_; }
   /// What looks wrong about the bodies' motion at the start.
   std::vector<std::string> warnings() const;
 
@@ -87,7 +94,8 @@ class Run {
   StageColumns stages_done_;
   Operation operation_;
   std::uint64_t epoch_ = 0;  ///< operations done
-  double link_gap_ = 0.0;    ///< m
+  std::vector<std::string> differences_;
+  double link_gap_ = 0.0;  ///< m
   double burst_ = 0.0;
   State state_;
   Physics physics_;
@@ -95,11 +103,13 @@ class Run {
   Observation last_;
   Listener listener_;
   double last_watch_ = 0.0, last_commit_ = 0.0;  ///< s of wall-clock time
+  double commit_seconds_ = 0.0;                  ///< of wall-clock time, that the last commit took
 };
 
 /// Title, version, scene and seed, as result files carry them.
 struct RunAttributes {
   std::string title, scene, directory, version;
+  std::string build = {};  ///< see core/build.h
   std::uint64_t seed = 0;
   FieldTable table();
 };

@@ -9,7 +9,9 @@ namespace cairn {
 std::vector<SeriesColumn> run_columns(const Scene& scene) {
   constexpr const char* kNow = "by the bodies, as it acted in the step; NaN while the wall is not there";
   constexpr const char* kMean =
-      "mean since the row before, the impulse over the time; at the start of a stage the value of the moment";
+      "mean since the row before, the impulse over the time; at the start of a stage the value of the "
+      "moment; "
+      "NaN while the wall is not there";
   std::vector<SeriesColumn> out = series_columns();
   for (std::size_t w = 0; w < scene.walls.size(); ++w) {
     const auto add = [&](const char* what, const char* unit, const std::string& help) {
