@@ -402,8 +402,10 @@ TEST_F(Results, OthersFilesWithNamesLikeOursAreLeft) {
   spill(folder / "precious", "precious");
   for (const char* name : {"run.h5.part", "run.h5.0123456789abcdef.part", "run.h5.xdmf.part"})
     fs::create_symlink("precious", folder / name);
-  ResultFile file = ResultFile::create(path, {}, false);
-  for (int k = 0; k < 2; ++k) file.commit({});
+  {
+    ResultFile file = ResultFile::create(path, {}, false);
+    for (int k = 0; k < 3; ++k) file.commit({});
+  }
   EXPECT_EQ(slurp(folder / "precious"), "precious");
   EXPECT_EQ(files_in_folder(), 5u);
 }

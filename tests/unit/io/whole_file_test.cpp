@@ -137,7 +137,7 @@ TEST_F(WholeFile, NoDamageIsAcceptedInSilence) {
   const pid_t child = fork();
   // In a process of its own because HDF5 1.10 leaks a little when it refuses a file, which a sanitizer would
   // report.
-  if (child == 0) _exit(accept_no_damage(sound, path, 500));
+  if (child == 0) _exit(accept_no_damage(sound, path, 300));
   int status = 0;
   ASSERT_EQ(waitpid(child, &status, 0), child);
   EXPECT_TRUE(WIFEXITED(status));
@@ -262,7 +262,7 @@ TEST_F(WholeFile, TheVersionBeforeTheLastBecomesTheNext) {
     ResultFile mine = ResultFile::create(path, {}, false), read = ResultFile::create(copied, {}, false);
     mine.declare_series({{"time", "s", ""}});
     read.declare_series({{"time", "s", ""}});
-    for (int commit = 0; commit < 30; ++commit) {
+    for (int commit = 0; commit < 15; ++commit) {
       std::vector<double> a(random.bits() % 3000, 1.0 * commit), b(random.bits() % 3000, -1.0 * commit);
       for (ResultFile* file : {&mine, &read}) {
         for (int row = 0; row < 100; ++row) file->add_series_row(std::vector{1.0 * row});
@@ -279,7 +279,7 @@ TEST_F(WholeFile, TheVersionBeforeTheLastBecomesTheNext) {
       ASSERT_TRUE(slurp(path) == seen.back()) << commit;
     }
   }
-  EXPECT_FALSE(fs::exists(path.string() + ".part"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 2);  // nothing is left
   for (std::size_t k = 0; k < readers.size(); ++k) {  // who reads an old version goes on reading it
     std::string now(seen[k].size() + 1, '\0');
     now.resize(static_cast<std::size_t>(pread(readers[k].get(), now.data(), now.size(), 0)));

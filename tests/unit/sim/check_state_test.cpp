@@ -165,8 +165,12 @@ TEST(CheckState, ARowIsNanOnlyWhereItsColumnSaysSo) {
     row[c] = kNan;
     const std::string said = unstable([&] { require_documented(columns, row, 3.0); });
     may += said == "nothing";
-    if (columns[c].name == "kinetic_energy") EXPECT_EQ(said, "kinetic_energy is NaN at t = 3 s");
-    if (columns[c].name == "spin_target") EXPECT_EQ(said, "nothing");
+    if (columns[c].name == "kinetic_energy") {
+      EXPECT_EQ(said, "kinetic_energy is NaN at t = 3 s");
+    }
+    if (columns[c].name == "spin_target") {
+      EXPECT_EQ(said, "nothing");
+    }
     row[c] = 0.0;
   }
   EXPECT_LT(may, 8u);
