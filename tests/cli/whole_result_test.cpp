@@ -177,7 +177,7 @@ TEST(Checkpoint, ResumeOfAnAlteredOneIsRefusedOrEnds) {
   EXPECT_GT(refusals, tried / 2);
 }
 
-TEST(WholeResult, ResumeSaysThatTheSceneHasBeenEdited) {
+TEST(EditedScene, IsWarnedOfAtResume) {
   const Folder folder;
   folder.write("stages.toml", kStages);
   const Outcome first =
