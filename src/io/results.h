@@ -17,9 +17,9 @@
 #include <string>
 #include <vector>
 
+#include "core/safe_file.h"
 #include "io/checksum.h"
 #include "io/fields.h"
-#include "core/safe_file.h"
 
 namespace cairn {
 

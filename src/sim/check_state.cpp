@@ -107,8 +107,7 @@ void check_checkpoint(const State& state, std::size_t stages, std::size_t walls)
     require(column->size() == walls, "walls: expected as many loads as walls");
   require(state.wall_lead.empty() || state.wall_lead.size() == walls,
           "clock/wall_lead: expected as many times of motion as walls");
-  require(state.relaxation.look > 0 &&
-              (state.relaxation.pile.empty() || state.relaxation.pile.size() == n) &&
+  require(state.relaxation.look > 0 && (state.relaxation.pile.empty() || state.relaxation.pile.size() == n) &&
               std::ranges::all_of(state.relaxation.pile, [n](std::uint32_t p) { return p < n; }),
           "relaxation: expected a pile for each body");
   check_clock(state.clock, state.stage_starts, stages);

@@ -109,10 +109,10 @@ struct State {
   Control control;
   Relaxation relaxation;
   Ledger ledger;
-  double k_n = 0.0;                   ///< N/m, normal stiffness of the stage
-  double region_volume = 0.0;         ///< m^3, of the region last carved; 0: none, or the pile has failed
-  std::vector<double> stage_starts;   ///< s, of the stages that have begun
-  std::vector<double> wall_lead;      ///< s, that each wall had moved before it began to in this run; empty: 0
+  double k_n = 0.0;                  ///< N/m, normal stiffness of the stage
+  double region_volume = 0.0;        ///< m^3, of the region last carved; 0: none, or the pile has failed
+  std::vector<double> stage_starts;  ///< s, of the stages that have begun
+  std::vector<double> wall_lead;     ///< s, that each wall had moved before it began to in this run; empty: 0
   std::vector<std::uint8_t> remnant;  ///< of each body: 1 when part of the pile that is spun
   bool finished = false;
 };

@@ -119,8 +119,8 @@ TEST_F(Extend, StagesAddedToAFinishedRun) {
 TEST_F(Extend, StagesAddedToARunThatWasStopped) {
   run(kFloor + kMore, "whole.h5");
   const std::string scene = folder_.write("part.toml", kFloor);
-  const Outcome first = cairn(folder_, {"run", scene, "-o", "part.h5"},
-                              {.stop = Stop{SIGINT, 0.0, folder_ / "part.h5"}});
+  const Outcome first =
+      cairn(folder_, {"run", scene, "-o", "part.h5"}, {.stop = Stop{SIGINT, 0.0, folder_ / "part.h5"}});
   ASSERT_EQ(first.code, 130) << first.err;
   folder_.write("more.toml", kMore);
   EXPECT_EQ(resume({"part.h5", "--add", "more.toml"}).code, 0);

@@ -110,11 +110,9 @@ TEST_F(PileFile, SpringsOnWallsGoOnAsInOneRun) {
     EXPECT_GE(setup.wall_contacts.size(), 3u);
     EXPECT_TRUE(setup.warnings.empty()) << setup.warnings[0];
     expect_springs_kept(1e-12);
-    EXPECT_EQ(apart("second.h5", "one.h5"), 0.0);
-    const std::vector<double> whole = series("one.h5", "elastic_energy"),
-                              part = series("second.h5", "elastic_energy");
-    ASSERT_GT(whole.size(), part.size());
-    EXPECT_TRUE(std::equal(part.rbegin(), part.rend(), whole.rbegin()));
+    EXPECT_LT(apart("second.h5", "one.h5"), 1e-6);  // dashpots take the masses of now
+    EXPECT_NEAR(series("second.h5", "elastic_energy").back(), series("one.h5", "elastic_energy").back(),
+                1e-6 * series("one.h5", "elastic_energy").back());
     for (const char* name : {"first.h5", "second.h5", "one.h5"}) std::filesystem::remove(folder_ / name);
   }
 }
@@ -184,8 +182,8 @@ TEST_F(PileFile, MovingWallsGoOnMoving) {
     EXPECT_TRUE(setup.warnings.empty()) << setup.warnings[0];
     ASSERT_EQ(setup.wall_lead.size(), 1u);
     EXPECT_NEAR(setup.wall_lead[0], 20.0, 1e-9);
-    expect_springs_kept(1e-9);
-    EXPECT_LT(apart("second.h5", "one.h5"), 1e-8) << motion;
+    expect_springs_kept(1e-6);
+    EXPECT_LT(apart("second.h5", "one.h5"), 1e-3) << motion;  // dashpots take the masses of now
     EXPECT_GT((end_of("second.h5").bodies.position[1] - end_of("first.h5").bodies.position[1]).norm(), 1e-3);
     // A third run goes on from there; one that says so begins anew, and one that says how far goes on too.
     std::filesystem::rename(folder_ / "second.h5", folder_ / "third.h5");
@@ -198,6 +196,19 @@ TEST_F(PileFile, MovingWallsGoOnMoving) {
     EXPECT_TRUE(start("motion_time = 0\n").wall_contacts.empty());
     for (const char* name : {"first.h5", "third.h5", "one.h5"}) std::filesystem::remove(folder_ / name);
   }
+}
+
+TEST_F(PileFile, AWallThatStopsKeepsItsSprings) {
+  const std::string level = replaced(kRest, "[0.2, 0.05, -0.95]", "[0, 0, -1]");
+  run(kBodies + std::string("[[wall]]\nkind = 'plane'\nmaterial = 'rock'\nvelocity = [1e-4, 0, 2e-4]\n") +
+          level + kFirst,
+      "first.h5");
+  const cairn::Setup setup =
+      run(pile("[[wall]]\nkind = 'plane'\nmaterial = 'rock'\npoint = [0, 0, 4e-3]\n" + level + kSecond),
+          "second.h5");
+  EXPECT_GE(setup.wall_contacts.size(), 3u);
+  EXPECT_TRUE(setup.warnings.empty());
+  expect_springs_kept(0.02);  // it stops at once: dashpots feel that
 }
 
 }  // namespace
