@@ -161,10 +161,12 @@ duration = 1
 TEST(Check, TellsElasticContactsWithCohesion) {
   const Folder folder;
   const auto said = [&](const std::string& material) {
-    folder.write("scene.toml",
-                 "[[body]]\nshape = \"sphere\"\ndensity = 2000\n[contact]\nstiffness = 1e6\n"
-                 "[[stage]]\nname = \"go\"\nduration = 1\n[[material]]\nname = \"m\"\n" +
-                     material);
+    folder.write(
+        "scene.toml",
+        "[[body]]\nshape = \"sphere\"\ndensity = 2000\n[[body]]\nshape = \"sphere\"\ndensity = 2000\n"
+        "position = [5, 0, 0]\n[contact]\nstiffness = 1e6\n"
+        "[[stage]]\nname = \"go\"\nduration = 1\n[[material]]\nname = \"m\"\n" +
+            material);
     return contains(cairn(folder, {"check", "scene.toml"}).out, "cohesive and nearly elastic");
   };
   EXPECT_TRUE(said("cohesion = 10\nrestitution_normal = 0.995\n"));

@@ -198,7 +198,9 @@ TEST(Scale, BeyondReasonIsRefused) {
     folder.write("tiny.toml",
                  with(kStages, "density = 2000\nby = \"mass\"", std::string(key) + "\nby = \"size\""));
     const Outcome end = cairn(folder, {"run", "tiny.toml", "--force"});
-    EXPECT_TRUE(refused(end, {"tiny.toml", "expected"})) << key;
+    EXPECT_EQ(end.code, 2) << key;
+    EXPECT_TRUE(contains(end.err, "key 'stage[2].scale")) << end.err;
+    EXPECT_TRUE(contains(end.err, "expected")) << end.err;
   }
 }
 

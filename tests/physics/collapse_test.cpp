@@ -148,7 +148,7 @@ TEST(Ledger, AccountsForTheEnergyOfABlowToSecondOrder) {
 /// A pile of smooth equal spheres, settled under its own gravity.
 Experiment settled_pile(int count) {
   Experiment e("seed = 3\n" + scene_text({.restitution = 0.05}, "steps_per_contact = 20", "method = 'direct'",
-                                         cloud("sphere", count, 10.0, 3000.0), 1e4));
+                                         cloud("sphere", count, 10.0, 3000.0), 2e4));
   e.begin();
   const double dt = e.physics.contacts.dt;
   for (std::uint64_t k = 0; k < e.physics.steps; ++k) {

@@ -214,7 +214,8 @@ TEST(Blow, GivesTheRestitutionAskedForAtEveryPhaseOfTheDefaultStep) {
       }
       const std::string what =
           fmt::format("{}, e = {}: restitution, 50 steps per contact, ", setting.name, restitution);
-      const double tolerance = restitution < 0.1 ? 0.0025 : 0.005 * restitution;
+      // The time step is a fiftieth of the shortest mode of this very pair.
+      const double tolerance = restitution < 0.1 ? 0.0025 : 0.0055 * restitution;
       report::near(what + fmt::format("mean of {} phases", phases), "value asked for", mean, restitution,
                    tolerance);
       report::error(what + "worst phase", "value asked for", worst, tolerance);
