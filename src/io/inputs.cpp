@@ -5,9 +5,10 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <map>
+#include <vector>
 
 #include "core/error.h"
+#include "io/input_store.h"
 #include "io/source.h"
 
 namespace cairn {
@@ -17,17 +18,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kKept = 16'000'000;  // bytes of one file
-
-struct Input {
-  std::string checksum;
-  bool whole = false;
-  std::string bytes;  ///< when whole
-};
-
-std::string checksum_of(const std::string& bytes) {
-  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
-  return fmt::format("xxh3-128:{:016x}{:016x}", hash.high64, hash.low64);
-}
 
 std::string read_whole(const fs::path& path, std::uint64_t most) {
   const std::string name = printable(path.string(), 4096);
@@ -51,17 +41,12 @@ std::string read_whole(const fs::path& path, std::uint64_t most) {
   return bytes;
 }
 
-std::string dataset(std::size_t k) {
-  return fmt::format("{:04}", k);
-}
-
 }  // namespace
 
-struct InputFiles::Store {
-  fs::path directory;
-  std::map<std::string, Input> inputs;
-  bool closed = false;
-};
+std::string checksum_of(const std::string& bytes) {
+  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+  return fmt::format("xxh3-128:{:016x}{:016x}", hash.high64, hash.low64);
+}
 
 InputFiles::InputFiles(fs::path directory) : store_(std::make_shared<Store>()) {
   store_->directory = std::move(directory);
@@ -91,47 +76,6 @@ std::string InputFiles::read(const std::string& name, const fs::path& path, std:
   const bool whole = bytes.size() <= kKept;
   store_->inputs[name] = {std::move(checksum), whole, whole ? bytes : std::string()};
   return bytes;
-}
-
-void InputFiles::write(ResultFile& file) const {
-  if (store_->inputs.empty()) return;
-  std::vector<std::string> names, checksums;
-  std::vector<std::uint8_t> whole;
-  std::vector<std::vector<std::uint8_t>> bytes;
-  for (const auto& [name, input] : store_->inputs) {
-    names.push_back(name);
-    checksums.push_back(input.checksum);
-    whole.push_back(input.whole);
-    bytes.emplace_back(input.bytes.begin(), input.bytes.end());
-  }
-  FieldTable table{{"name", "", "of a file, as the scene calls it", &names, "file"},
-                   {"checksum", "", "of its content", &checksums, "file"},
-                   {"whole", "", "1: its content is here, in the dataset of its number", &whole, "file"}};
-  for (std::size_t k = 0; k < bytes.size(); ++k)
-    if (whole[k]) table.push_back({dataset(k), "", "bytes of " + names[k], &bytes[k], ""});
-  file.write_static("inputs", table);
-}
-
-void InputFiles::restore(const ResultFile& file) const {
-  store_->inputs.clear();
-  store_->closed = true;
-  if (!file.has_group("inputs")) return;
-  std::vector<std::string> names, checksums;
-  std::vector<std::uint8_t> whole;
-  file.read_static("inputs", {{"name", "", "", &names, "file"},
-                              {"checksum", "", "", &checksums, "file"},
-                              {"whole", "", "", &whole, "file"}});
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    Input input{checksums[k], whole[k] != 0, {}};
-    if (input.whole) {
-      std::vector<std::uint8_t> bytes;
-      file.read_static("inputs", {{dataset(k), "", "", &bytes, ""}});
-      input.bytes.assign(bytes.begin(), bytes.end());
-      if (checksum_of(input.bytes) != input.checksum)
-        throw InputError("{}: inputs/{}: damaged", file.path().string(), dataset(k));
-    }
-    store_->inputs[names[k]] = std::move(input);
-  }
 }
 
 void InputFiles::reopen() const {

@@ -2,14 +2,15 @@
 // was started with.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <memory>
 #include <string>
 
-#include "io/results.h"
-
 namespace cairn {
+
+class ResultFile;
 
 /// Files by the names that the scene calls them. Copies share what has been read.
 class InputFiles {

@@ -1,13 +1,13 @@
 // From a shape to a rigid body: principal frame, offsets and gravity masses.
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "core/error.h"
 #include "shape/gravity_masses.h"
+#include "shape/own_mass.h"
 #include "shape/principal_frame.h"
 #include "shape/shape.h"
 
@@ -25,11 +25,6 @@ void check(const Shape& shape) {
     throw InputError("shape '{}': {}: {}", shape.name, complaint->key, complaint->what);
 }
 
-// Inertia per mass of a ball whose centre is at d.
-Mat3 ball_inertia(const Vec3& d, double radius) {
-  return (d.squaredNorm() + 0.4 * radius * radius) * Mat3::Identity() - d * d.transpose();
-}
-
 // Relative Frobenius distance of the inertia of the gravity masses, each with its sphere's own 2/5 m r^2,
 // from the body's.
 double moment_error(const RigidShape& rigid) {
@@ -38,22 +33,6 @@ double moment_error(const RigidShape& rigid) {
     inertia += rigid.mass_fractions[i] * ball_inertia(rigid.offsets[i], rigid.radii[i]);
   const Mat3 exact = rigid.inertia.asDiagonal();
   return (inertia - exact).norm() / exact.norm();
-}
-
-/// How the mass of a body is spread.
-struct MassSpread {
-  Vec3 center;
-  Mat3 inertia;  ///< about it, per mass
-};
-
-MassSpread spread_of_spheres(const Shape& shape) {
-  const std::vector<double>& masses = shape.own.of_spheres;
-  const double total = std::accumulate(masses.begin(), masses.end(), 0.0);
-  MassSpread spread{Vec3::Zero(), Mat3::Zero()};
-  for (std::size_t i = 0; i < masses.size(); ++i) spread.center += masses[i] / total * shape.centers[i];
-  for (std::size_t i = 0; i < masses.size(); ++i)
-    spread.inertia += masses[i] / total * ball_inertia(shape.centers[i] - spread.center, shape.radii[i]);
-  return spread;
 }
 
 /// What the shape says of it, or else that of a solid of even density.
@@ -65,44 +44,7 @@ MassSpread spread_of(const Shape& shape, const MassProperties& solid) {
   return spread;
 }
 
-std::optional<MassComplaint> check_inertia(const Mat3& inertia) {
-  constexpr double thinnest = 1e-9;
-  const Vec3 moments = Eigen::SelfAdjointEigenSolver<Mat3>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
-  if (!(moments[0] >= thinnest * moments[2] && moments[2] > 0.0))
-    return MassComplaint{
-        "inertia", fmt::format("expected principal moments above 0, none below {:g} of the greatest, found "
-                               "{:.9g}, {:.9g}, {:.9g}",
-                               thinnest, moments[0], moments[1], moments[2])};
-  if (moments[2] > moments[0] + moments[1] + kLaminaRounding * moments[2])
-    return MassComplaint{
-        "inertia", fmt::format("expected no principal moment above the sum of the two others (a lamina's is "
-                               "that sum), found {:.9g}, {:.9g}, {:.9g}",
-                               moments[0], moments[1], moments[2])};
-  return {};
-}
-
 }  // namespace
-
-std::optional<MassComplaint> check_own_mass(const Shape& shape) {
-  const OwnMass& own = shape.own;
-  const auto positive = [](double mass) { return mass > 0.0 && std::isfinite(mass); };
-  if (!own.of_spheres.empty() && (own.of_spheres.size() != shape.radii.size() ||
-                                  !std::all_of(own.of_spheres.begin(), own.of_spheres.end(), positive)))
-    return MassComplaint{"mass", "expected a mass above 0 of every sphere, or of none"};
-  if (own.center && own.of_spheres.empty() && !own.inertia)
-    return MassComplaint{"center_of_mass", "expected an inertia about it, or masses of the spheres"};
-  if (own.center && !own.of_spheres.empty()) {
-    const Vec3 center = spread_of_spheres(shape).center;
-    double reach = 0.0;
-    for (const Vec3& c : shape.centers) reach = std::max(reach, (c - center).norm());
-    constexpr double rounding = 1e-6;
-    if ((*own.center - center).norm() > rounding * reach)
-      return MassComplaint{"center_of_mass",
-                           fmt::format("expected that of the spheres' masses, [{:.9g}, {:.9g}, {:.9g}]",
-                                       center.x(), center.y(), center.z())};
-  }
-  return own.inertia ? check_inertia(*own.inertia) : std::nullopt;
-}
 
 RigidShape make_rigid(const Shape& shape, MassModel model) {
   check(shape);
