@@ -91,7 +91,7 @@ Run Run::extend(const std::filesystem::path& path, const Continuation& more,
     run.results_.write_static("stages", run.stages_done_.table());
   }
   if (clock.steps > 0) {
-    run.physics_ = resolve_physics(run.scene_, clock.stage, run.state_.bodies, run.state_.k_n);
+    run.physics_ = resolve_physics(run.scene_, clock.stage, run.state_.bodies, run.state_.k_n, clock.dt);
     clock.steps = run.physics_.steps;
   }
   run.results_.write_attributes(attributes.table());
