@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <functional>
+
 #include "core/error.h"
 #include "folder.h"
+#include "io/results.h"
 
 namespace cairn {
 namespace {
