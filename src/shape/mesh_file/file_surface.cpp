@@ -17,7 +17,7 @@ void CornerCount::settle(FileSurface& surface, const std::string& name) const {
     throw InputError("{}:{}: corner {}: expected one of the {} vertices, counted from {}", name,
                      greatest_line_, greatest_, vertices, base);
   if (base == 0)
-    surface.notes.push_back("facets count their vertices from 0");
+    surface.notes.emplace_back("facets count their vertices from 0");
   else
     for (std::uint32_t& corner : surface.corners) --corner;
 }
