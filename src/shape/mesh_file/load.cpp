@@ -77,7 +77,7 @@ FileSurface read_unnamed(std::string_view bytes, const std::string& name) {
   if (word.find_first_of("0123456789") <= 2 && word.find_first_not_of("0123456789+-.,eEdD") == word.npos)
     return read_table(bytes, name);
   text.fail("expected a mesh (the text of an OBJ, PLY, STL or OFF file, or a table of numbers), found {}",
-            quoted(word));
+            in_quotes(word));
 }
 
 std::string mesh_kind(const std::filesystem::path& path) {

@@ -40,7 +40,7 @@ class ObjReader {
       else if (is_one_of(kFreeForm, word))
         text_.fail("'{}': curves and free-form surfaces are not read; expected facets", word);
       else if (!is_one_of(kNames, word))
-        text_.fail("expected v, f or another word of OBJ files, found {}", quoted(word));
+        text_.fail("expected v, f or another word of OBJ files, found {}", in_quotes(word));
     }
     if (surface_.ends.empty()) text_.fail("expected facets, found none up to here, the end of the file");
     if (elements_ > 0)
@@ -96,7 +96,7 @@ class ObjReader {
       if (good && at != end && *at != '/') good = number(other) && other != 0;
     }
     if (!good || at != end)
-      text_.fail("expected a corner like 5, 5/2, 5//3 or 5/2/3, found {}", quoted(word));
+      text_.fail("expected a corner like 5, 5/2, 5//3 or 5/2/3, found {}", in_quotes(word));
     return vertex;
   }
 

@@ -27,7 +27,7 @@ class OffReader {
     }
     if (text_.next_line())
       text_.fail("expected the end of the file after {} vertices and {} facets, found {}", vertices, facets,
-                 quoted(text_.word()));
+                 in_quotes(text_.word()));
     return std::move(surface_);
   }
 
@@ -36,7 +36,7 @@ class OffReader {
   void read_header() {
     if (!text_.next_line()) text_.fail("expected OFF, found an empty file");
     std::string_view word = text_.word();
-    const std::string found = quoted(word);
+    const std::string found = in_quotes(word);
     const auto starts = [&](std::string_view letters) {
       const bool with = word.starts_with(letters);
       if (with) word.remove_prefix(letters.size());

@@ -37,7 +37,7 @@ class AsciiValues {
   double number(PlyType) { return text_.number("a coordinate"); }
   void skip(PlyType) { text_.unused_number("a number"); }
   void finish() {
-    if (text_.next_line()) text_.fail("expected the end of the file, found {}", quoted(text_.word()));
+    if (text_.next_line()) text_.fail("expected the end of the file, found {}", in_quotes(text_.word()));
   }
   std::size_t line() const { return text_.line(); }
   template <class... Args>

@@ -36,14 +36,14 @@ class HeaderReader {
         format = true;
         header_.format = one_of(kFormats, text_.word(), "ascii, binary_little_endian or binary_big_endian");
         if (const auto version = text_.word(); version != "1.0")
-          text_.fail("expected version 1.0, found {}", quoted(version));
+          text_.fail("expected version 1.0, found {}", in_quotes(version));
       } else if (word == "element") {
         element();
       } else if (word == "property" && !header_.elements.empty()) {
         property();
       } else {
         text_.fail("expected comment, element, property or end_header{}, found {}",
-                   format ? "" : ", and format once before", quoted(word));
+                   format ? "" : ", and format once before", in_quotes(word));
       }
       text_.end_line();
     }
@@ -65,7 +65,7 @@ class HeaderReader {
            std::string_view expected) {
     for (const auto& [name, value] : list)
       if (word == name) return value;
-    text_.fail("expected {}, found {}", expected, quoted(word));
+    text_.fail("expected {}, found {}", expected, in_quotes(word));
   }
   PlyType type(std::string_view word) {
     return one_of(kTypes, word, "a type (char, uchar, short, ushort, int, uint, float or double)");
@@ -75,7 +75,7 @@ class HeaderReader {
     std::string name(text_.word());
     if (name.empty()) text_.fail("expected a name, found the end of the line");
     for (const auto& other : known)
-      if (other.name == name) text_.fail("{} for a second time", quoted(name));
+      if (other.name == name) text_.fail("{} for a second time", in_quotes(name));
     return name;
   }
 

@@ -70,7 +70,7 @@ class AsciiStlReader {
     if (is(word, expected)) return;
     if (word.empty())
       text_.fail("expected '{}', found the end of the file in facet {}", expected, surface_.ends.size() + 1);
-    text_.fail("expected '{}', found {}", expected, quoted(word));
+    text_.fail("expected '{}', found {}", expected, in_quotes(word));
   }
   void require(std::string_view expected) { require(expected, text_.word_across_lines()); }
 

@@ -34,7 +34,7 @@ std::string plain_number(std::string_view word) {
 
 }  // namespace
 
-std::string quoted(std::string_view word) {
+std::string in_quotes(std::string_view word) {
   constexpr std::size_t kMost = 40;
   std::string text(word.substr(0, kMost));
   std::replace_if(
@@ -146,11 +146,11 @@ double Text::unusual_number(std::string_view what, bool finite) {
   const char* const end = plain.data() + plain.size();
   const auto [last, error] = std::from_chars(plain.data(), end, value);
   if (error == std::errc::invalid_argument || last != end)
-    fail("expected {}, found {}, which is no number", what, quoted(found));
+    fail("expected {}, found {}, which is no number", what, in_quotes(found));
   if (error == std::errc::result_out_of_range)
-    fail("expected {}, found {}, which no number of double precision is near to", what, quoted(found));
+    fail("expected {}, found {}, which no number of double precision is near to", what, in_quotes(found));
   if (finite && !std::isfinite(value))
-    fail("expected {}, found {}, which is not finite", what, quoted(found));
+    fail("expected {}, found {}, which is not finite", what, in_quotes(found));
   return value;
 }
 
@@ -162,7 +162,7 @@ std::int64_t Text::integer(std::string_view what) {
   const char* const end = found.data() + found.size();
   const auto [last, error] = std::from_chars(found.data() + plus, end, value);
   if (error != std::errc() || last != end)
-    fail("expected {}, found {}, which is no whole number{}", what, quoted(found),
+    fail("expected {}, found {}, which is no whole number{}", what, in_quotes(found),
          error == std::errc::result_out_of_range ? " of 64 bits" : "");
   return value;
 }
@@ -175,7 +175,7 @@ std::uint32_t Text::count(std::string_view what) {
 }
 
 void Text::end_line() {
-  if (skip_blanks()) fail("expected the end of the line, found {}", quoted(word()));
+  if (skip_blanks()) fail("expected the end of the line, found {}", in_quotes(word()));
 }
 
 }  // namespace cairn

@@ -75,6 +75,6 @@ class Text {
 };
 
 /// A word of a file in quotes for a message, cut short, with what cannot be printed as question marks.
-std::string quoted(std::string_view word);
+std::string in_quotes(std::string_view word);
 
 }  // namespace cairn
