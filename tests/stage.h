@@ -18,6 +18,7 @@ struct Stage {
 
   explicit Stage(const std::string& text) : scene(parse_scene(text, "stage.toml", ".")) {
     state.walls.walls = make_walls(scene);
+    state.walls.resize(scene.walls.size());
     if (scene.box) state.box.edge = scene.box->size;
   }
 
@@ -45,9 +46,11 @@ struct Stage {
   double kinetic_energy() const {
     const Bodies& bodies = state.bodies;
     double energy = 0.0;
-    for (std::size_t b = 0; b < bodies.size(); ++b)
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      if (is_held(bodies, b)) continue;
       energy += 0.5 * bodies.mass[b] * bodies.velocity[b].squaredNorm() +
                 0.5 * bodies.spin[b].dot(angular_velocity(bodies, b));
+    }
     return energy;
   }
 

@@ -38,7 +38,8 @@ Budget budget(const Bodies& bodies) {
   Budget result;
 
   using First = Compensated<7>;
-  const auto first_term = [&](std::size_t b) {
+  const auto first_term = [&](std::size_t b) -> First::Values {
+    if (is_held(bodies, b)) return First::Values::Zero();
     const double m = bodies.mass[b];
     First::Values term;
     term[0] = m;
@@ -54,7 +55,8 @@ Budget budget(const Bodies& bodies) {
   const Vec3 velocity = result.momentum / result.mass;
 
   using Second = Compensated<11>;
-  const auto second_term = [&](std::size_t b) {
+  const auto second_term = [&](std::size_t b) -> Second::Values {
+    if (is_held(bodies, b)) return Second::Values::Zero();
     const Vec3& spin = bodies.spin[b];
     const Vec3 p = bodies.mass[b] * bodies.velocity[b];
     const Vec3 arm = separation(bodies, 0, b) - center;

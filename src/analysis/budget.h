@@ -5,7 +5,7 @@
 
 namespace cairn {
 
-/// Totals over all bodies (compensated sums, in a fixed order).
+/// Totals over all bodies that are not held (compensated sums, in a fixed order).
 struct Budget {
   double mass = 0.0;                                  ///< kg
   Vec3 center = Vec3::Zero();                         ///< m, centre of mass, from the frame's zero
@@ -19,7 +19,7 @@ struct Budget {
   double rotational_energy = 0.0;           ///< J, sum L.w / 2 of the bodies' spins
 };
 
-/// Totals over all bodies; all zero for none.
+/// Totals; all zero for no bodies.
 Budget budget(const Bodies& bodies);
 
 }  // namespace cairn

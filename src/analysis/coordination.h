@@ -12,11 +12,12 @@ namespace cairn {
 /// Spheres touch whose surfaces are closer than a billionth of the smallest radius: a lattice of touching
 /// spheres has rounded places.
 struct Coordination {
-  std::size_t contacts = 0;        ///< touching pairs of spheres of different bodies, and with walls
-  std::size_t body_pairs = 0;      ///< touching pairs of bodies, each once
+  std::size_t contacts = 0;    ///< touching pairs of spheres of different bodies, and with walls
+  std::size_t body_pairs = 0;  ///< touching pairs of bodies, each once
+  // Of bodies that are not held:
   double per_sphere = 0.0;         ///< mean contacts of a sphere
   double per_body = 0.0;           ///< mean contacts of a body
-  double neighbours = 0.0;         ///< 2 body_pairs / bodies
+  double neighbours = 0.0;         ///< mean number of bodies that a body touches
   std::size_t free_bodies = 0;     ///< that touch nothing
   std::size_t hanging_bodies = 0;  ///< that touch in one contact only
   double largest_overlap = 0.0;    ///< over the smaller radius of its pair; of bodies

@@ -37,7 +37,7 @@ bool join_few(const Bodies& bodies, double gap, const Box& box, Sets& sets) {
   const auto most = static_cast<std::uint32_t>(std::max_element(count.begin(), count.end()) - count.begin());
   std::vector<std::uint32_t> apart;  // spheres
   for (std::uint32_t b = 0; b < bodies.size(); ++b) {
-    if (sets.root(b) == most) continue;
+    if (sets.root(b) == most || is_held(bodies, b)) continue;
     for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s) apart.push_back(s);
     if (apart.size() > kFew) return false;
   }
@@ -45,7 +45,7 @@ bool join_few(const Bodies& bodies, double gap, const Box& box, Sets& sets) {
   for (const std::uint32_t s : apart)
     for (std::uint32_t b = 0; b < bodies.size(); ++b) {
       const std::uint32_t own = spheres.body[s];
-      if (sets.root(b) == sets.root(own)) continue;
+      if (sets.root(b) == sets.root(own) || is_held(bodies, b)) continue;
       Vec3 from = spheres.position[s];
       if (!bodies.cell.empty()) from += bodies.cell_edge * (bodies.cell[own] - bodies.cell[b]);
       for (std::uint32_t t = bodies.first_sphere[b]; t < bodies.first_sphere[b + 1]; ++t) {
@@ -70,19 +70,24 @@ std::vector<std::uint32_t> Fragments::members(std::uint32_t cluster) const {
 Fragments find_fragments(const Bodies& bodies, double gap, const Box& box, const ContactList* contacts) {
   const std::vector<std::uint32_t>& body = bodies.spheres.body;
   Sets sets(bodies.size());
+  const auto join = [&](const Pair& pair) {
+    const std::uint32_t a = body[pair.i], b = body[pair.j];
+    if (!is_held(bodies, a) && !is_held(bodies, b)) sets.join(a, b);
+  };
   if (contacts != nullptr)
     for (std::size_t slot = 0; slot < contacts->slots(); ++slot)
-      if (contacts->touching(slot)) sets.join(body[contacts->pair(slot).i], body[contacts->pair(slot).j]);
+      if (contacts->touching(slot)) join(contacts->pair(slot));
   if (!join_few(bodies, gap, box, sets)) {
     std::vector<Pair> pairs;
     NearPairs().find(bodies, box, gap, pairs);
-    for (const Pair& pair : pairs) sets.join(body[pair.i], body[pair.j]);
+    for (const Pair& pair : pairs) join(pair);
   }
 
   const auto count = static_cast<std::uint32_t>(bodies.size());
   std::vector<double> mass(count, 0.0);  // of the set of each root
   std::vector<std::uint32_t> roots;
   for (std::uint32_t b = 0; b < count; ++b) {
+    if (is_held(bodies, b)) continue;
     const std::uint32_t root = sets.root(b);
     if (root == b) roots.push_back(b);
     mass[root] += bodies.mass[b];
@@ -97,8 +102,9 @@ Fragments find_fragments(const Bodies& bodies, double gap, const Box& box, const
     result.mass.push_back(mass[root]);
   }
   result.count.assign(roots.size(), 0);
-  result.label.resize(count);
+  result.label.assign(count, Fragments::kNone);
   for (std::uint32_t b = 0; b < count; ++b) {
+    if (is_held(bodies, b)) continue;
     result.label[b] = label_of_root[sets.root(b)];
     ++result.count[result.label[b]];
   }

@@ -1,6 +1,7 @@
 // Fragments: clusters of bodies that touch or nearly touch (friends of friends).
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "body/bodies.h"
@@ -11,7 +12,8 @@ namespace cairn {
 
 /// Clusters in order of decreasing mass, ties by the smallest body; cluster 0 is the largest remnant.
 struct Fragments {
-  std::vector<std::uint32_t> label;  ///< cluster of every body
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> label;  ///< cluster of every body; kNone of a held one
   std::vector<double> mass;          ///< kg, of every cluster
   std::vector<std::uint32_t> count;  ///< bodies in every cluster
 
@@ -20,9 +22,9 @@ struct Fragments {
   std::vector<std::uint32_t> members(std::uint32_t cluster) const;
 };
 
-/// Links bodies any of whose spheres' surfaces are closer than gap (m, >= 0), in a box also of their images.
-/// Sphere centres must be up to date. What touches by `contacts` need not be looked for: the result is the
-/// same, and for a pile in one piece far quicker.
+/// Links bodies that are not held, any of whose spheres' surfaces are closer than gap (m, >= 0), in a box
+/// also of their images. Sphere centres must be up to date. What touches by `contacts` need not be looked
+/// for: the result is the same, and for a pile in one piece far quicker.
 /// @throws UnstableError for a position that is not finite, InputError for an unusable gap.
 Fragments find_fragments(const Bodies& bodies, double gap, const Box& box = {},
                          const ContactList* contacts = nullptr);

@@ -85,7 +85,9 @@ void check(const Options& options) {
   Setup setup = assemble(scene);
   std::vector<ContactRecord> contacts = std::move(setup.contacts);
   const std::vector<std::string> notes = std::move(setup.notes), lost = std::move(setup.warnings);
+  const std::vector<std::string> wall_sets = setup.wall_sets;
   State state = first_state(std::move(setup));
+  state.walls.sets = touching_walls(scene, wall_sets);
   const Bodies& bodies = state.bodies;
   std::vector<Wall> all_walls = make_walls(scene);
   lead_walls(state.wall_lead, all_walls);

@@ -34,6 +34,8 @@ struct Bodies {
   std::vector<double> length;        ///< m, the size that scales the shape
   std::vector<std::uint16_t> material;
   std::vector<std::uint32_t> first_sphere;  ///< size() + 1 entries
+  std::vector<std::uint16_t> held;      ///< 0: free; k: moves as the k-th prescribed motion; empty: all free
+  std::vector<std::uint16_t> wall_set;  ///< 0: all walls touch it; k: those of the k-th set; empty: all 0
   // Pose and momentum.
   std::vector<Vec3> position;     ///< m, centre of mass, from the centre of its cell
   std::vector<Vec3> remainder;    ///< m, what the drifts have rounded off `position`, for the next one
@@ -52,6 +54,11 @@ struct Bodies {
   std::size_t size() const { return mass.size(); }
   std::size_t sphere_count(std::size_t b) const { return first_sphere[b + 1] - first_sphere[b]; }
 };
+
+/// Whether b moves as prescribed, whatever acts on it.
+inline bool is_held(const Bodies& bodies, std::size_t b) {
+  return !bodies.held.empty() && bodies.held[b] != 0;
+}
 
 /// Where a new body is put.
 struct Placement {

@@ -15,8 +15,8 @@ void for_each_sphere_column(F&& f, S&&... spheres) {
   f(spheres.position...);
 }
 
-/// The same with an entry per body, of all the Bodies given; `cell` is empty where none has left cell 0.
-/// `first_sphere` is not among them.
+/// The same with an entry per body, of all the Bodies given; `cell` is empty where none has left cell 0,
+/// `held` and `wall_set` where none is held or apart from a wall. `first_sphere` is not among them.
 template <class F, class... B>
 void for_each_body_column(F&& f, B&&... bodies) {
   f(bodies.mass...);
@@ -25,6 +25,8 @@ void for_each_body_column(F&& f, B&&... bodies) {
   f(bodies.shape...);
   f(bodies.length...);
   f(bodies.material...);
+  f(bodies.held...);
+  f(bodies.wall_set...);
   f(bodies.position...);
   f(bodies.remainder...);
   f(bodies.velocity...);

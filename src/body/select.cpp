@@ -8,7 +8,7 @@ namespace {
 
 template <class T>
 void keep_marked(std::vector<T>& values, const std::vector<std::uint8_t>& keep) {
-  if (values.empty()) return;  // cells that do not exist
+  if (values.empty()) return;  // cells, or what else does not exist
   std::size_t end = 0;
   for (std::size_t k = 0; k < keep.size(); ++k)
     if (keep[k]) values[end++] = values[k];

@@ -4,13 +4,10 @@
 
 namespace cairn {
 
-namespace {
-
 Inertia inertia_of(const Bodies& bodies, std::size_t b) {
+  if (is_held(bodies, b)) return {};
   return {1.0 / bodies.mass[b], inverse_inertia(bodies, b)};
 }
-
-}  // namespace
 
 EffectiveMass effective_mass(const Bodies& bodies, const ContactList& contacts, std::size_t slot) {
   const Spheres& spheres = bodies.spheres;
@@ -34,8 +31,10 @@ double set_damping(const Bodies& bodies, const SweepSettings& settings, ContactL
   const EffectiveMass mass = effective_mass(bodies, contacts, slot);
   EffectiveMass mu = mass;
   if (settings.sphere_damping) {
-    const double mi = spheres.mass[pair.i], mj = spheres.mass[pair.j];
-    mu.normal = mi * mj / (mi + mj);
+    const auto mobility = [&](std::uint32_t s) {
+      return is_held(bodies, spheres.body[s]) ? 0.0 : 1.0 / spheres.mass[s];
+    };
+    mu.normal = 1.0 / (mobility(pair.i) + mobility(pair.j));
     mu.tangential = kTangentialRatio * mu.normal;
   }
   contacts.c_n[slot] = law.damping_n * std::sqrt(law.k_n * mu.normal);

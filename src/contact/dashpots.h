@@ -6,6 +6,9 @@
 
 namespace cairn {
 
+/// How body b gives way: a held one does not.
+Inertia inertia_of(const Bodies& bodies, std::size_t b);
+
 /// Effective masses (kg) of the bodies of a pair at its contact, at the present poses.
 EffectiveMass effective_mass(const Bodies& bodies, const ContactList& contacts, std::size_t slot);
 

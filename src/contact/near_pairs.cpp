@@ -22,7 +22,16 @@ void NearPairs::find(const Bodies& bodies, const Box& box, std::span<const doubl
   else if (!bodies.cell.empty())
     find_across_cells(bodies, reach, pairs);
   else
-    search_.find(bodies.spheres.position, reach, bodies.spheres.body, 0.0, pairs);
+    search_.find(bodies.spheres.position, reach, groups(bodies), 0.0, pairs);
+}
+
+const std::vector<std::uint32_t>& NearPairs::groups(const Bodies& bodies) {
+  if (bodies.held.empty()) return bodies.spheres.body;
+  groups_ = bodies.spheres.body;
+  const auto count = static_cast<std::uint32_t>(bodies.size());
+  for (std::uint32_t& b : groups_)
+    if (is_held(bodies, b)) b = count;
+  return groups_;
 }
 
 // Plain coordinates are good enough to look for neighbours with a little more gap; the verdict is exact.
@@ -36,7 +45,7 @@ void NearPairs::find_across_cells(const Bodies& bodies, std::span<const double> 
     far = std::max(far, positions_[s].cwiseAbs().maxCoeff());
   }
   const double rounding = 8.0 * std::numeric_limits<double>::epsilon() * far;
-  search_.find(positions_, reach, spheres.body, std::isfinite(far) ? rounding : 0.0, pairs);
+  search_.find(positions_, reach, groups(bodies), std::isfinite(far) ? rounding : 0.0, pairs);
   std::erase_if(pairs, [&](const Pair& p) {
     const Vec3 d = (spheres.position[p.j] - spheres.position[p.i]) +
                    bodies.cell_edge * (bodies.cell[spheres.body[p.j]] - bodies.cell[spheres.body[p.i]]);
@@ -58,7 +67,7 @@ void NearPairs::find_in_box(const Bodies& bodies, const Box& box, std::span<cons
                        longest);
   positions_.resize(count);
   reach_.assign(reach.begin(), reach.end());
-  body_.assign(spheres.body.begin(), spheres.body.end());
+  body_ = groups(bodies);
   original_.resize(count);
   for (std::uint32_t s = 0; s < count; ++s) {
     original_[s] = s;

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -42,6 +43,11 @@ double total_mass(const Bodies& bodies) {
   return std::accumulate(bodies.mass.begin(), bodies.mass.end(), 0.0);
 }
 
+/// Mass (kg) that gives way in a contact; a held body gives way to none.
+double yielding_mass(const Bodies& bodies, std::size_t b) {
+  return is_held(bodies, b) ? std::numeric_limits<double>::infinity() : bodies.mass[b];
+}
+
 double largest_radius(const Bodies& bodies, std::size_t b) {
   const auto* radii = bodies.spheres.radius.data();
   return *std::max_element(radii + bodies.first_sphere[b], radii + bodies.first_sphere[b + 1]);
@@ -66,7 +72,9 @@ class Greatest {
   double next() const { return next_body_ ? next_ : first_; }
   std::uint32_t body() const { return *body_; }
   /// Where it is among those that body b can meet.
-  std::uint32_t other_than(std::uint32_t b) const { return b == *body_ ? next_body_.value_or(b) : *body_; }
+  std::uint32_t other_than(std::uint32_t b) const {
+    return !body_ || b == *body_ ? next_body_.value_or(b) : *body_;
+  }
   Encounter of_both() const { return {*body_, next_body_.value_or(*body_)}; }
 
  private:
@@ -79,15 +87,16 @@ class Greatest {
 /// sphere of the pair, the pair has its turn at the smaller one.
 template <class Visit>
 void for_worst_pairs(const Bodies& bodies, bool walls, Visit&& visit) {
-  Greatest mass, size, radius;
+  Greatest mass, free, size, radius;
   for (std::uint32_t b = 0; b < bodies.size(); ++b) {
-    mass.add(b, bodies.mass[b]);
+    mass.add(b, yielding_mass(bodies, b));
+    if (!is_held(bodies, b)) free.add(b, bodies.mass[b]);
     size.add(b, cubed_radii(bodies, b));
     radius.add(b, largest_radius(bodies, b));
   }
   for (std::uint32_t b = 0; b < bodies.size(); ++b) {
-    const std::uint32_t heaviest = mass.other_than(b), largest = size.other_than(b),
-                        roundest = radius.other_than(b);
+    const std::uint32_t heaviest = is_held(bodies, b) ? free.body() : mass.other_than(b),
+                        largest = size.other_than(b), roundest = radius.other_than(b);
     for (std::uint32_t s = bodies.first_sphere[b]; s < bodies.first_sphere[b + 1]; ++s) {
       if (walls) visit(s, b, std::optional<std::uint32_t>());
       if (walls && bodies.size() == 1) continue;
@@ -156,7 +165,7 @@ double escape_speed(const Bodies& bodies) {
 }
 
 StiffnessChoice choose_stiffness(const Bodies& bodies, const ContactDemand& demand) {
-  const double mass = total_mass(bodies), cubes = cubed_radii(bodies), area = squared(std::cbrt(cubes));
+  const double mass = total_mass(bodies), cubes = cubed_radii(bodies);
   double load = 0.0;  // N/m^2, over the squared radius of the sphere with the volume of a body's spheres
   if (demand.self_gravity) {
     const double density = kPacking * mass / (4.0 / 3.0 * kPi * cubes);
@@ -166,15 +175,22 @@ StiffnessChoice choose_stiffness(const Bodies& bodies, const ContactDemand& dema
   }
   if (demand.field > 0.0) {
     // At the foot of a column as high as the cube root of the number of equal bodies, or of a heavier body.
-    double heaviest = mass / area;
-    for (std::size_t b = 0; b < bodies.size(); ++b)
-      heaviest = std::max(heaviest, bodies.mass[b] / squared(std::cbrt(cubed_radii(bodies, b))));
-    load += kForceChain * demand.field * heaviest;
+    double weighing = 0.0, size = 0.0, heaviest = 0.0;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      if (is_held(bodies, b)) continue;
+      const double cube = cubed_radii(bodies, b);
+      weighing += bodies.mass[b];
+      size += cube;
+      heaviest = std::max(heaviest, bodies.mass[b] / squared(std::cbrt(cube)));
+    }
+    load += kForceChain * demand.field * std::max(heaviest, weighing / squared(std::cbrt(size)));
   }
   StiffnessChoice choice;
   for_worst_pairs(bodies, demand.walls, [&](std::uint32_t s, std::uint32_t b, const auto& other) {
     const double overlap = demand.max_overlap * bodies.spheres.radius[s];
-    const double lighter = other ? std::min(bodies.mass[b], bodies.mass[*other]) : bodies.mass[b];
+    const double own = yielding_mass(bodies, b);
+    const double lighter = other ? std::min(own, yielding_mass(bodies, *other)) : own;
+    if (std::isinf(lighter)) return;  // held bodies do not meet
     const double impact = lighter * squared(demand.impact_speed / overlap);
     double cube = cubed_radii(bodies, b);
     if (other) cube = std::min(cube, cubed_radii(bodies, *other));
@@ -194,11 +210,12 @@ double greatest_pull(const Bodies& bodies, const ContactDemand& demand) {
 }
 
 ShortestContact shortest_contact(const Bodies& bodies, double k_n, double shape_factor, bool rolling,
-                                 bool walls) {
+                                 bool walls, double lightest_wall) {
   const auto& radii = bodies.spheres.radius;
   std::map<std::uint32_t, Mobility> mobility;  // M times the mobility does not depend on size or density
   Greatest normal, sliding, turning;
   for (std::uint32_t b = 0; b < bodies.size(); ++b) {
+    if (is_held(bodies, b)) continue;
     auto [it, fresh] = mobility.try_emplace(bodies.shape[b]);
     if (fresh) it->second = greatest_mobility(bodies, b);
     normal.add(b, it->second.normal / bodies.mass[b]);
@@ -218,6 +235,9 @@ ShortestContact shortest_contact(const Bodies& bodies, double k_n, double shape_
   take(ShortestContact::Mode::normal, k_n * (normal.first() + normal.next()), normal.of_both());
   take(ShortestContact::Mode::sliding, kTangentialRatio * k_n * (sliding.first() + sliding.next()),
        sliding.of_both());
+  take(ShortestContact::Mode::normal, k_n * (normal.first() + 1.0 / lightest_wall), {normal.body(), {}});
+  take(ShortestContact::Mode::sliding, kTangentialRatio * k_n * (sliding.first() + 1.0 / lightest_wall),
+       {sliding.body(), {}});
   if (rolling) {
     // R^2 / I summed over both, R = r / (1 + ratio of the radii): most when the worse one is the smaller.
     const auto [least, most] = std::minmax_element(radii.begin(), radii.end());

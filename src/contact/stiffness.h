@@ -1,6 +1,7 @@
 // Choice of the normal stiffness and of the time step from what a scene asks of its contacts.
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "body/bodies.h"
@@ -55,11 +56,12 @@ struct ShortestContact {
   Encounter encounter;
 };
 
-/// That of any two of the bodies, or of a body and a wall, in the worst direction. No mode of a contact is
+/// That of any two of the bodies, or of a body and a wall, in the worst direction; held bodies are walls to
+/// it, and walls give way when they have a mass, `lightest_wall` (kg) at least. No mode of a contact is
 /// faster than its time over pi. Exact for two equal bodies in the worst position, an upper bound on the
 /// frequency otherwise.
 ShortestContact shortest_contact(const Bodies& bodies, double k_n, double shape_factor, bool rolling,
-                                 bool walls);
+                                 bool walls, double lightest_wall = std::numeric_limits<double>::infinity());
 
 /// A pile's coordination adds stiffnesses on one light body; steps longer than this part of the shortest
 /// contact time are refused.

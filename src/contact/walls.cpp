@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/dashpots.h"
 #include "contact/law/partial.h"
 #include "core/error.h"
 #include "core/parallel.h"
@@ -29,6 +30,16 @@ struct Tally {
   std::vector<WallContact> contacts;  // that remain
 };
 
+/// The effective masses of a contact whose wall moves under a load, which yields along its axis only.
+EffectiveMass yielding(const EffectiveMass& body, const WallDrive& drive, const Vec3& n) {
+  const double along = std::pow(drive.axis.dot(n), 2) / drive.mass;
+  const double normal = 1.0 / body.normal + along, across = 2.0 / body.tangential + 1.0 / drive.mass - along;
+  // A direction in which neither side yields, as that across the axis to a held body, has no mass.
+  const double least = 1e-9 / drive.mass;
+  return {1.0 / (normal > least ? normal : 1.0 / drive.mass),
+          2.0 / (across > least ? across : 2.0 / drive.mass)};
+}
+
 bool in_order(const WallContact& a, const WallContact& b) {
   return std::tuple(a.sphere, a.wall, a.feature) < std::tuple(b.sphere, b.wall, b.feature);
 }
@@ -51,16 +62,18 @@ WallReport& WallReport::operator+=(const WallReport& other) {
 class Walls::Sweeper {
  public:
   Sweeper(const Walls& walls, const std::vector<SphereMotion>& motions, const SweepSettings& settings,
-          const std::vector<WallPose>& end, const std::vector<WallPose>& middle, double time, Bodies& bodies)
+          const WallFilter& filter, const std::vector<WallPose>& start, const std::vector<WallPose>& end,
+          const std::vector<WallPose>& middle, Bodies& bodies)
       : walls_(walls),
         motions_(motions),
         settings_(settings),
+        filter_(filter),
+        start_(start),
         end_(end),
         middle_(middle),
-        time_(time),
         bodies_(bodies) {
     for (std::uint32_t w = 0; w < walls.walls.size(); ++w)
-      if (!walls.walls[w].mesh() && walls.walls[w].motion.moves()) moving_.push_back(w);
+      if (!walls.walls[w].mesh() && walls.walls[w].moves()) moving_.push_back(w);
   }
 
   /// Spheres [begin, end); the contacts that remain are written to the tally.
@@ -125,7 +138,8 @@ class Walls::Sweeper {
       mesh->touch(end_[w].to_wall(position(s)), radius, triangles, touches);
       add(w);
     }
-    for (const std::uint32_t w : moving_) smooth(w);
+    for (const std::uint32_t w : moving_)
+      if (filter_.touches(w, bodies_.spheres.body[s])) smooth(w);
     if (!moving_.empty())
       std::sort(meetings.begin(), meetings.end(),
                 [](const Meeting& a, const Meeting& b) { return in_order(a.contact, b.contact); });
@@ -185,8 +199,7 @@ class Walls::Sweeper {
   template <Features F>
   void part(const WallContact& contact, Tally& tally) const {
     const Wall& wall = walls_.walls[contact.wall];
-    const WallPose &end = end_[contact.wall], &middle = middle_[contact.wall];
-    const WallPose start = wall.motion.pose(time_ - settings_.dt);
+    const WallPose &start = start_[contact.wall], &end = end_[contact.wall], &middle = middle_[contact.wall];
     const std::uint32_t s = contact.sphere;
     const SphereMotion& sphere = motion(s);
     const Vec3 x = position(s), way = settings_.dt * vector(sphere.velocity_mid);
@@ -218,7 +231,7 @@ class Walls::Sweeper {
     motion.turn = {};
     motion.dt = overlap / (overlap + gap) * settings_.dt;
     const PartingSpeeds speeds{(2.0 * u_mid - u_end).dot(n_start), u_mid.dot(n_start), u_mid.dot(n)};
-    const double mass = walls_.effective_mass(bodies_, end, touch, s).normal;
+    const double mass = walls_.effective_mass(bodies_, end, touch, contact.wall, s).normal;
     const PartialStep step{law.k_n, contact.memory.c_n, pull<F>(law, sphere.radius), mass, settings_.dt};
     const ContactAction<double> due = parting<F>(law, geometry, motion, speeds, step, contact.memory);
     kick(s, contact.wall, c, due, tally);
@@ -287,8 +300,8 @@ class Walls::Sweeper {
   const Walls& walls_;
   const std::vector<SphereMotion>& motions_;
   const SweepSettings& settings_;
-  const std::vector<WallPose>&end_, &middle_;  // of the step
-  const double time_;                          // s, at its end
+  const WallFilter& filter_;
+  const std::vector<WallPose>&start_, &end_, &middle_;  // of the step
   Bodies& bodies_;
   std::vector<std::uint32_t> moving_;  // smooth walls
 };
@@ -303,25 +316,83 @@ void Walls::set_laws(const std::vector<Material>& materials, const std::vector<M
 
 std::vector<WallPose> Walls::poses(double time) const {
   std::vector<WallPose> out;
-  for (const Wall& wall : walls) out.push_back(wall.motion.pose(time));
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    WallPose pose = walls[w].motion.pose(time);
+    if (const std::optional<WallDrive>& drive = walls[w].drive) {
+      pose.shift += driven.place[scene_number(w)] * drive->axis;
+      pose.velocity += driven.speed[scene_number(w)] * drive->axis;
+    }
+    out.push_back(pose);
+  }
   return out;
 }
 
+std::vector<WallPose> Walls::poses_before(double time, double dt) const {
+  std::vector<WallPose> out;
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    out.push_back(walls[w].motion.pose(time - dt));
+    if (const std::optional<WallDrive>& drive = walls[w].drive) {
+      const std::uint32_t n = scene_number(w);
+      out.back().shift += (driven.place[n] - dt * driven.speed[n]) * drive->axis;
+    }
+  }
+  return out;
+}
+
+std::vector<WallPose> Walls::mid_step(double time, double dt) const {
+  std::vector<WallPose> out;
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    WallPose pose = walls[w].motion.mid_step(time, dt);
+    if (const std::optional<WallDrive>& drive = walls[w].drive) {
+      const double speed = driven.speed[scene_number(w)];
+      pose.shift += (driven.place[scene_number(w)] - 0.5 * dt * speed) * drive->axis;
+      pose.velocity += speed * drive->axis;
+    }
+    out.push_back(pose);
+  }
+  return out;
+}
+
+WallFilter Walls::filter(const Bodies& bodies) const {
+  std::vector<std::vector<std::uint8_t>> here(sets.size());
+  for (std::size_t k = 0; k < sets.size(); ++k)
+    for (std::size_t w = 0; w < walls.size(); ++w) here[k].push_back(sets[k][scene_number(w)]);
+  return {bodies, walls, std::move(here)};
+}
+
+void Walls::begin_step(double dt) {
+  for (std::size_t w = 0; w < walls.size(); ++w)
+    if (walls[w].drive) {
+      const std::uint32_t n = scene_number(w);
+      driven.begin_step(n, *walls[w].drive, loads.force[n].dot(walls[w].drive->axis), dt);
+    }
+}
+
+void Walls::end_step(const std::vector<WallLoad>& now, double dt) {
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    const std::uint32_t n = scene_number(w);
+    loads.add(n, now[w], dt);
+    if (const std::optional<WallDrive>& drive = walls[w].drive)
+      driven.end_step(n, *drive, now[w].force.dot(drive->axis), now[w].kick.dot(drive->axis), dt);
+  }
+}
+
 EffectiveMass Walls::effective_mass(const Bodies& bodies, const WallPose& pose, const WallTouch& touch,
-                                    std::uint32_t sphere) {
+                                    std::uint32_t wall, std::uint32_t sphere) const {
   const std::uint32_t b = bodies.spheres.body[sphere];
   const Vec3 n = pose.to_space(touch.n), c = bodies.spheres.position[sphere] + touch.arm * n;
-  return cairn::effective_mass({1.0 / bodies.mass[b], inverse_inertia(bodies, b)}, c - bodies.position[b], {},
-                               Vec3::Zero(), n);
+  const EffectiveMass mass =
+      cairn::effective_mass(inertia_of(bodies, b), c - bodies.position[b], {}, Vec3::Zero(), n);
+  return walls[wall].drive ? yielding(mass, *walls[wall].drive, n) : mass;
 }
 
 double Walls::set_damping(const Bodies& bodies, const SweepSettings& settings, const WallPose& pose,
                           const WallTouch& touch, WallContact& contact) const {
   const std::uint32_t s = contact.sphere;
   const PairLaw& pair = law(bodies, settings, contact.wall, s);
-  const EffectiveMass mass = effective_mass(bodies, pose, touch, s);
+  const EffectiveMass mass = effective_mass(bodies, pose, touch, contact.wall, s);
   EffectiveMass mu = mass;
-  if (settings.sphere_damping) {
+  if (settings.sphere_damping && !is_held(bodies, bodies.spheres.body[s])) {
     mu.normal = bodies.spheres.mass[s];
     mu.tangential = kTangentialRatio * mu.normal;
   }
@@ -332,10 +403,19 @@ double Walls::set_damping(const Bodies& bodies, const SweepSettings& settings, c
 
 WallReport Walls::sweep(const std::vector<SphereMotion>& motions, const SweepSettings& settings, double time,
                         WallCandidates& candidates, Bodies& bodies) {
-  const std::vector<WallPose> end = poses(time);
-  std::vector<WallPose> middle;
-  for (const Wall& wall : walls) middle.push_back(wall.motion.mid_step(time, settings.dt));
-  const Sweeper sweeper(*this, motions, settings, end, middle, time, bodies);
+  resize(std::max<std::size_t>(loads.force.size(), scene_number(walls.size() - 1) + 1));
+  begin_step(settings.dt);
+  const std::vector<WallPose> middle = mid_step(time, settings.dt);
+  std::vector<WallPose> end = poses(time);
+  for (std::size_t w = 0; w < walls.size(); ++w)  // as predicted for the end, as bodies are
+    if (const std::optional<WallDrive>& drive = walls[w].drive) {
+      const std::uint32_t n = scene_number(w);
+      const double force = drive->load + loads.force[n].dot(drive->axis) - drive->damping * driven.speed[n];
+      end[w].velocity += 0.5 * settings.dt / drive->mass * force * drive->axis;
+    }
+  const std::vector<WallPose> start = poses_before(time, settings.dt);
+  const WallFilter touching = filter(bodies);
+  const Sweeper sweeper(*this, motions, settings, touching, start, end, middle, bodies);
   constexpr std::size_t size = WallCandidates::kBlock;
   const std::size_t blocks = (bodies.size() + size - 1) / size;
   std::vector<Tally> tallies(blocks);
@@ -344,7 +424,7 @@ WallReport Walls::sweep(const std::vector<SphereMotion>& motions, const SweepSet
     parallel_blocks(blocks, 1, [&](std::size_t k, std::size_t) {
       const std::uint32_t first = bodies.first_sphere[k * size];
       const std::uint32_t last = bodies.first_sphere[std::min((k + 1) * size, bodies.size())];
-      sweeper.run<F>(first, last, candidates.list(k, bodies, walls, end), tallies[k]);
+      sweeper.run<F>(first, last, candidates.list(k, bodies, walls, end, touching), tallies[k]);
     });
   });
   WallReport total;
@@ -355,8 +435,7 @@ WallReport Walls::sweep(const std::vector<SphereMotion>& motions, const SweepSet
     for (std::size_t w = 0; w < tally.loads.size(); ++w) now[w] += tally.loads[w];
     contacts.insert(contacts.end(), tally.contacts.begin(), tally.contacts.end());
   }
-  loads.resize(std::max<std::size_t>(loads.force.size(), scene_number(walls.size() - 1) + 1));
-  for (std::size_t w = 0; w < walls.size(); ++w) loads.add(scene_number(w), now[w], settings.dt);
+  end_step(now, settings.dt);
   return total;
 }
 

@@ -33,11 +33,19 @@ struct WallReport {
 class Walls {
  public:
   std::vector<Wall> walls;
+  std::vector<std::vector<std::uint8_t>> sets;  ///< of Bodies::wall_set, from 1: whether it touches each
+                                                ///< wall of the scene
+  DrivenWalls driven;
   std::vector<std::uint32_t> number;  ///< of each in the scene; empty: they are the scene's
   std::vector<WallContact> contacts;  ///< in the order of sphere, wall, feature; `wall` indexes `walls`
   WallLoads loads;                    ///< by the walls' numbers in the scene
 
   bool empty() const { return walls.empty(); }
+  /// Makes room for what is kept of each wall of the scene.
+  void resize(std::size_t count) {
+    loads.resize(count);
+    driven.resize(count);
+  }
   /// Number in the scene of a wall.
   std::uint32_t scene_number(std::size_t wall) const {
     return number.empty() ? static_cast<std::uint32_t>(wall) : number[wall];
@@ -71,11 +79,16 @@ class Walls {
     return laws_[wall * materials_ + settings.material[bodies.spheres.body[sphere]]];
   }
   std::vector<WallPose> poses(double time) const;
-  static EffectiveMass effective_mass(const Bodies& bodies, const WallPose& pose, const WallTouch& touch,
-                                      std::uint32_t sphere);
+  EffectiveMass effective_mass(const Bodies& bodies, const WallPose& pose, const WallTouch& touch,
+                               std::uint32_t wall, std::uint32_t sphere) const;
   /// Returns the effective mass along the normal (kg).
   double set_damping(const Bodies& bodies, const SweepSettings& settings, const WallPose& pose,
                      const WallTouch& touch, WallContact& contact) const;
+  std::vector<WallPose> poses_before(double time, double dt) const;
+  std::vector<WallPose> mid_step(double time, double dt) const;
+  WallFilter filter(const Bodies& bodies) const;
+  void begin_step(double dt);
+  void end_step(const std::vector<WallLoad>& now, double dt);
 
   std::vector<PairLaw> laws_;  // wall x material
   std::size_t materials_ = 0;

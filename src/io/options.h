@@ -187,6 +187,20 @@ Key<T> texts(std::string name, std::vector<std::string> T::*member, Bounds lengt
   });
 }
 
+/// The same, absent unless given.
+template <class T>
+Key<T> texts(std::string name, std::optional<std::vector<std::string>> T::*member, Bounds length,
+             std::string help) {
+  KeyInfo info{.name = name, .type = "[string, ...]", .bounds = length.length_text(), .help = help};
+  info.fallback = show(T{}.*member);
+  return make_key(info, member, [=](const Value& array) {
+    std::vector<std::string> found;
+    each_element(array, "an array of strings",
+                 [&](const Value& value) { found.push_back(read_text(value, length)); });
+    return found;
+  });
+}
+
 /// Three numbers, each within `bounds`.
 template <class T, class M>
 requires std::same_as<M, Vec3> || std::same_as<M, std::optional<Vec3>> Key<T> vector(

@@ -74,6 +74,7 @@ class Checks {
 
   void check_cloud(CloudSpec& cloud, const std::string& key) const {
     complete_material(cloud.material, key);
+    check_bonds(cloud, key, {".velocity", ".spin_period"});
     double weights = 0.0;
     for (const ShapeChoice& shape : cloud.shapes) weights += shape.weight;
     if (weights <= 0.0) throw error(key + ".shape", "expected a positive sum of weights, found 0");
@@ -115,12 +116,14 @@ class Checks {
 
   void check_lattice(LatticeSpec& lattice, const std::string& key) const {
     complete_material(lattice.material, key);
+    check_bonds(lattice, key, {});
     check_region(lattice.region, key + ".region");
   }
 
   void check_body(BodySpec& body, const std::string& key) const {
     complete_material(body.material, key);
     check_one_of(key, {"density", "mass"}, true);
+    check_bonds(body, key, {".velocity", ".angular_velocity"});
     body.orientation.coeffs() = direction<Eigen::Vector4d>(body.orientation.coeffs(), key + ".orientation");
   }
 
@@ -155,12 +158,9 @@ class Checks {
     wall.normal = direction<Vec3>(wall.normal, key + ".normal");
     wall.axis = direction<Vec3>(wall.axis, key + ".axis");
 
-    const bool oscillates = given(key + ".oscillation_amplitude");
-    for (const char* name : {".oscillation_frequency", ".oscillation_phase"})
-      if (!oscillates && given(key + name))
-        throw error(key + name, "has no effect without oscillation_amplitude");
-    if (oscillates) require(key + ".oscillation_frequency", "there is an oscillation_amplitude");
-    if (!oscillates && given(key + ".motion_time") && !given(key + ".velocity") &&
+    check_oscillation(key);
+    check_load(wall, key);
+    if (!given(key + ".oscillation_amplitude") && given(key + ".motion_time") && !given(key + ".velocity") &&
         !given(key + ".angular_velocity"))
       throw error(key + ".motion_time", "has no effect on a wall that does not move");
     if (!given(key + ".rotation_point")) wall.rotation_point = wall.point;
@@ -174,6 +174,52 @@ class Checks {
       if (!contacts_of(scene_, static_cast<std::size_t>(stage)))
         throw error(key + ".stages", "has no effect in stage '{}', which has no contacts", wall.stages[i]);
     }
+  }
+
+  void check_oscillation(const std::string& key) const {
+    const bool oscillates = given(key + ".oscillation_amplitude");
+    for (const char* name : {".oscillation_frequency", ".oscillation_phase"})
+      if (!oscillates && given(key + name))
+        throw error(key + name, "has no effect without oscillation_amplitude");
+    if (oscillates) require(key + ".oscillation_frequency", "there is an oscillation_amplitude");
+  }
+
+  void check_load(WallSpec& wall, const std::string& key) const {
+    if (!wall.load) {
+      for (const char* name : {".load_axis", ".load_mass", ".load_damping"})
+        if (given(key + name)) throw error(key + name, "has no effect without load");
+      return;
+    }
+    require(key + ".load_mass", "there is a load");
+    if (wall.kind != WallKind::plane)
+      require(key + ".load_axis", "there is a load, and the kind is not 'plane'");
+    wall.load_axis =
+        given(key + ".load_axis") ? direction<Vec3>(wall.load_axis, key + ".load_axis") : wall.normal;
+    constexpr double small = 1e-9;
+    const auto across = [&](const char* name, const Vec3& v) {
+      if (std::abs(v.dot(wall.load_axis)) > small * v.norm())
+        throw error(key + name, "expected a direction across load_axis, along which the load moves the wall");
+    };
+    across(".velocity", wall.velocity);
+    across(".oscillation_amplitude", wall.oscillation_amplitude);
+  }
+
+  /// Keys that say what does not act on bodies; `own` are keys of their free motion.
+  template <class Spec>
+  void check_bonds(const Spec& spec, const std::string& key, std::initializer_list<const char*> own) const {
+    if (spec.held) {
+      check_oscillation(key + ".held");
+      for (const char* name : own)
+        if (given(key + name))
+          throw error(key + name, "has no effect on what is held; expected it in 'held'");
+    }
+    if (!spec.walls) return;
+    std::vector<std::string> names;
+    for (std::size_t w = 0; w < scene_.walls.size(); ++w) names.push_back(wall_name(scene_, w));
+    for (const std::string& name : *spec.walls)
+      if (std::find(names.begin(), names.end(), name) == names.end())
+        throw error(key + ".walls", "no [[wall]] is called '{}'; {}", name,
+                    names.empty() ? "the scene has none" : "expected some of " + alternatives(names));
   }
 
   void require(const std::string& key, const char* reason) const {

@@ -37,6 +37,16 @@ struct ShapeChoice {
   double weight = 1.0;  ///< relative number of bodies
 };
 
+/// How what does not move freely moves.
+struct MotionSpec {
+  Vec3 velocity = Vec3::Zero();               ///< m/s
+  Vec3 oscillation_amplitude = Vec3::Zero();  ///< m
+  double oscillation_frequency = 0.0;         ///< Hz
+  double oscillation_phase = 0.0;             ///< rad
+  Vec3 angular_velocity = Vec3::Zero();       ///< rad/s
+  std::optional<Vec3> rotation_point;         ///< m
+};
+
 /// A ball of bodies at random positions and orientations, without overlap.
 struct CloudSpec {
   std::vector<ShapeChoice> shapes;
@@ -54,6 +64,8 @@ struct CloudSpec {
   Vec3 velocity = Vec3::Zero();  ///< m/s
   double spin_period = 0.0;      ///< s, rigid rotation about z; 0: none
   double hole = 0.0;             ///< m, radius of a ball in the middle that stays free
+  std::optional<MotionSpec> held;
+  std::optional<std::vector<std::string>> walls;  ///< that touch them; absent: all
 };
 
 /// A part of space. Keys that its kind does not have are errors.
@@ -78,6 +90,8 @@ struct LatticeSpec {
   double spacing = 0.0;  ///< m, of nearest sites; 0: bounding spheres touch
   bool random_orientation = false;
   RegionSpec region;
+  std::optional<MotionSpec> held;
+  std::optional<std::vector<std::string>> walls;  ///< that touch them; absent: all
 };
 
 /// One body put by hand. One of density and mass is given.
@@ -91,6 +105,8 @@ struct BodySpec {
   Vec3 velocity = Vec3::Zero();          ///< m/s
   Vec3 angular_velocity = Vec3::Zero();  ///< rad/s
   Quat orientation = Quat::Identity();   ///< w, x, y, z: frame of the shape file -> space
+  std::optional<MotionSpec> held;
+  std::optional<std::vector<std::string>> walls;  ///< that touch it; absent: all
 };
 
 /// A periodic box.
@@ -98,7 +114,7 @@ struct BoxSpec {
   Vec3 size = Vec3::Zero();  ///< m; 0: open in that direction; all 0: the pile's
 };
 
-/// A wall, fixed or moved as prescribed. Keys that its kind does not have are errors.
+/// A wall, fixed or moved as prescribed, or by a load. Keys that its kind does not have are errors.
 struct WallSpec {
   std::string name;  ///< the wall's number when not given, see wall_name
   WallKind kind = WallKind::plane;
@@ -118,6 +134,10 @@ struct WallSpec {
   Vec3 angular_velocity = Vec3::Zero();       ///< rad/s
   Vec3 rotation_point = Vec3::Zero();         ///< m; `point` when not given
   std::optional<double> motion_time;          ///< s, that it has moved so before it begins
+  std::optional<double> load;                 ///< N, that moves it along load_axis
+  Vec3 load_axis = Vec3::UnitZ();             ///< of a plane its normal when not given
+  double load_mass = 0.0;                     ///< kg
+  double load_damping = 0.0;                  ///< kg/s
   std::vector<std::string> stages;            ///< in which it is there; empty: all
 };
 

@@ -30,6 +30,25 @@ const Keys<ShapeChoice> kShapeKeys = {
     number("weight", &ShapeChoice::weight, "", within(0, 1e12), "relative number of bodies of this shape"),
 };
 
+const Keys<MotionSpec> kMotionKeys = {
+    vector("velocity", &MotionSpec::velocity, "m/s", kVelocity, "of a translation that never ends"),
+    vector("oscillation_amplitude", &MotionSpec::oscillation_amplitude, "m", kPosition,
+           "displacement from the place given: amplitude sin(2 pi frequency t + phase)"),
+    number("oscillation_frequency", &MotionSpec::oscillation_frequency, "Hz", above(0, 1e9),
+           "required with an amplitude"),
+    number("oscillation_phase", &MotionSpec::oscillation_phase, "rad", magnitude(1e6), "at time 0"),
+    vector("angular_velocity", &MotionSpec::angular_velocity, "rad/s", magnitude(1e9),
+           "of a rotation about an axis through rotation_point"),
+    vector("rotation_point", &MotionSpec::rotation_point, "m", kPosition,
+           "takes part in translation and oscillation; absent: the place of the body, cloud or region"),
+};
+
+const char* const kHeldHelp =
+    "Given, if only as {}: bodies at rest or in this motion, whatever acts on them. They touch all others, "
+    "but not each other, and walls only when a load moves these.";
+const char* const kWallsHelp =
+    "names of the walls that touch, numbers of those without a name; []: none; absent: all";
+
 const Keys<CloudSpec> kCloudKeys = {
     tables("shape", &CloudSpec::shapes, kShapeKeys, "One shape of the mixture.").required(),
     integer("count", &CloudSpec::count, "", within(1, 10'000'000), "number of bodies").required(),
@@ -59,6 +78,8 @@ const Keys<CloudSpec> kCloudKeys = {
     number(
         "hole", &CloudSpec::hole, "m", within(0, 1e9),
         "radius of a ball in the middle that stays free, for a core from elsewhere; not counted in filling"),
+    table("held", &CloudSpec::held, kMotionKeys, kHeldHelp),
+    texts("walls", &CloudSpec::walls, kName, kWallsHelp),
 };
 
 const Keys<RegionSpec> kRegionKeys = {
@@ -102,6 +123,8 @@ const Keys<LatticeSpec> kLatticeKeys = {
     table("region", &LatticeSpec::region, kRegionKeys,
           "Where sites have bodies; a site is at its position, the lattice turns with it.")
         .required(),
+    table("held", &LatticeSpec::held, kMotionKeys, kHeldHelp),
+    texts("walls", &LatticeSpec::walls, kName, kWallsHelp),
 };
 
 const Keys<BodySpec> kBodyKeys = {
@@ -115,6 +138,8 @@ const Keys<BodySpec> kBodyKeys = {
     vector("angular_velocity", &BodySpec::angular_velocity, "rad/s", magnitude(1e9), "in the space frame"),
     quaternion("orientation", &BodySpec::orientation, magnitude(1e6),
                "w, x, y, z: rotation from the frame of the shape file to space; any length but zero"),
+    table("held", &BodySpec::held, kMotionKeys, kHeldHelp),
+    texts("walls", &BodySpec::walls, kName, kWallsHelp),
 };
 
 const Keys<Frame> kFrameKeys = {
@@ -165,6 +190,13 @@ const Keys<WallSpec> kWallKeys = {
         "motion_time", &WallSpec::motion_time, "s", kTime,
         "how long it has moved so when it begins; absent: 0, or as long as the same wall at the end of the "
         "run that the pile comes from"),
+    number("load", &WallSpec::load, "N", magnitude(1e30),
+           "force that moves the wall along load_axis, against the bodies: load_mass x acceleration is load, "
+           "what the bodies do along the axis, and -load_damping x speed"),
+    vector("load_axis", &WallSpec::load_axis, "", magnitude(1e6),
+           "direction of the load, any length but zero; absent: the normal of a plane; others require it"),
+    number("load_mass", &WallSpec::load_mass, "kg", above(0, 1e30), "required with a load"),
+    number("load_damping", &WallSpec::load_damping, "kg/s", within(0, 1e30), "with a load"),
     texts("stages", &WallSpec::stages, kName,
           "names of the stages in which the wall is there, its motion counted from the start of the first; "
           "empty: all, from the start of the run"),
@@ -410,7 +442,7 @@ const Keys<Scene> kSceneKeys = {
     tables("cloud", &Scene::clouds, kCloudKeys,
            "A ball of bodies at random positions and orientations, without overlap."),
     tables("body", &Scene::bodies, kBodyKeys, "One body put by hand."),
-    tables("wall", &Scene::walls, kWallKeys, "A wall, fixed or moved as prescribed."),
+    tables("wall", &Scene::walls, kWallKeys, "A wall, fixed or moved as prescribed, or by a load."),
     tables("material", &Scene::materials, kMaterialKeys,
            "Surface of bodies and walls. A pair takes geometric means, of beta the arithmetic mean."),
     table("contact", &Scene::contact, kContactKeys, "The contact law and its time step."),

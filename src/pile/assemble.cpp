@@ -86,6 +86,73 @@ double smallest_radius(const Scene& scene, const Bodies& pile, Shapes& shapes) {
   return smallest;
 }
 
+/// A held body's motion; `place` (m) is where its rotation point is unless given.
+WallMotion motion_of(const MotionSpec& spec, const Vec3& place) {
+  return {.velocity = spec.velocity,
+          .amplitude = spec.oscillation_amplitude,
+          .frequency = spec.oscillation_frequency,
+          .phase = spec.oscillation_phase,
+          .spin = spec.angular_velocity,
+          .center = spec.rotation_point.value_or(place)};
+}
+
+/// Gives the bodies from `begin` on what the scene says of their motion and of walls.
+template <class Spec>
+void restrain(const Spec& spec, const Vec3& place, std::size_t begin, Setup& setup) {
+  Bodies& bodies = setup.bodies;
+  const auto give = [&](std::vector<std::uint16_t>& column, std::size_t number, const char* what) {
+    if (number > std::numeric_limits<std::uint16_t>::max())
+      throw InputError("{}: more than {} in a scene", what, std::numeric_limits<std::uint16_t>::max());
+    column.resize(begin, 0);
+    column.resize(bodies.size(), static_cast<std::uint16_t>(number));
+  };
+  if (spec.held) {
+    setup.held.motions.push_back(motion_of(*spec.held, place));
+    give(bodies.held, setup.held.motions.size(), "held");
+  }
+  if (spec.walls) {
+    const std::string set = set_of_walls(*spec.walls);
+    const auto found = std::find(setup.wall_sets.begin(), setup.wall_sets.end(), set);
+    const auto number = static_cast<std::size_t>(found - setup.wall_sets.begin()) + 1;
+    if (found == setup.wall_sets.end()) setup.wall_sets.push_back(set);
+    give(bodies.wall_set, number, "walls");
+  }
+}
+
+/// Puts held bodies into their motions. Those of the pile are where these have led them; the others, from
+/// `begin` on, are displaced from their places by them.
+void hold_bodies(const Scene& scene, std::size_t begin, Setup& setup) {
+  Bodies& bodies = setup.bodies;
+  for (auto* column : {&bodies.held, &bodies.wall_set})
+    if (!column->empty()) column->resize(bodies.size(), 0);
+  setup.held.find(bodies, 0.0);
+  for (std::size_t k = 0; k < setup.held.body.size(); ++k) {
+    const std::uint32_t b = setup.held.body[k];
+    if (b < begin) continue;
+    setup.held.position[k] = bodies.position[b];
+    setup.held.orientation[k] = bodies.orientation[b];
+  }
+  if (setup.held.empty()) return;
+  if (setup.held.body.size() == bodies.size())
+    throw InputError("all bodies are held; expected one that moves");
+  setup.held.place(0.0, bodies);
+  for (std::size_t k = 0; k < scene.stages.size(); ++k) {
+    if (scene.stages[k].spin)
+      throw scene.sources.error(fmt::format("stage[{}].spin", k), "a pile with held bodies cannot be spun");
+    if (scene.stages[k].strain_rate != Vec3::Zero())
+      throw scene.sources.error(fmt::format("stage[{}].strain_rate", k),
+                                "a box with held bodies cannot be strained");
+  }
+}
+
+/// Moves what held bodies turn about, and the motion itself, with the frame.
+void displace(const Vec3& by, const Vec3& velocity, std::vector<WallMotion>& motions) {
+  for (WallMotion& motion : motions) {
+    motion.center += by + motion.since * velocity;
+    motion.velocity += velocity;
+  }
+}
+
 constexpr std::uint64_t kLatticeStreams = std::uint64_t{1} << 32;  // clouds have the lower ones
 
 /// The pile and its box in the frame of the scene.
@@ -94,6 +161,8 @@ Setup take_pile(const Scene& scene, const std::vector<Wall>& walls) {
   Setup setup = read_pile(path, scene, walls);
   displace(setup.bodies, setup.frame.position - scene.frame.position,
            setup.frame.velocity - scene.frame.velocity);
+  displace(setup.frame.position - scene.frame.position, setup.frame.velocity - scene.frame.velocity,
+           setup.held.motions);
   if (setup.box.periodic() && !scene.box)
     throw InputError("{}: this pile was made in a periodic box; expected a [box]", path.string());
   if (scene.box && scene.box->size == Vec3::Zero() && !setup.box.periodic())
@@ -111,28 +180,36 @@ Setup assemble(const Scene& scene) {
     const std::vector<Wall> walls = make_walls(scene);
     setup = at_key(scene, "pile", [&] { return take_pile(scene, walls); });
   }
+  const std::size_t of_pile = setup.bodies.size();
   setup.frame = scene.frame;
   if (scene.box && scene.box->size != Vec3::Zero()) setup.box.edge = scene.box->size;
   Shapes shapes(scene, std::move(setup.shapes));
-  // Walls and boxes stay where they are: no frame of the bodies' own, no cells.
-  const bool free = scene.walls.empty() && !scene.box;
+  // Walls, boxes and held bodies stay where they are: no frame of the bodies' own, no cells.
+  const auto holds = [](const auto& spec) { return spec.held.has_value(); };
+  const bool free = scene.walls.empty() && !scene.box && setup.held.motions.empty() &&
+                    std::ranges::none_of(scene.lattices, holds) &&
+                    std::ranges::none_of(scene.clouds, holds) && std::ranges::none_of(scene.bodies, holds);
   set_cell_edge(setup.bodies, free ? cell_edge(smallest_radius(scene, setup.bodies, shapes)) : 0.0);
   for (std::size_t k = 0; k < scene.lattices.size(); ++k) {
     const LatticeSpec& lattice = scene.lattices[k];
+    const std::size_t begin = setup.bodies.size();
     at_key(scene, fmt::format("lattice[{}]", k), [&] {
       const std::uint32_t index = shapes.index(lattice.shape);
       add_lattice(lattice, Region(lattice.region, scene.files), shapes.all()[index], index,
                   material_index(scene, lattice.material), scene.seed, kLatticeStreams + k, setup.bodies);
     });
+    restrain(lattice, lattice.region.position, begin, setup);
   }
   for (std::size_t k = 0; k < scene.clouds.size(); ++k) {
     const CloudSpec& cloud = scene.clouds[k];
+    const std::size_t begin = setup.bodies.size();
     std::vector<std::uint32_t> index;
     for (const ShapeChoice& choice : cloud.shapes) index.push_back(shapes.index(choice.shape));
     at_key(scene, fmt::format("cloud[{}]", k), [&] {
       add_cloud(cloud, shapes.all(), index, material_index(scene, cloud.material), scene.seed, k,
                 setup.bodies);
     });
+    restrain(cloud, cloud.position, begin, setup);
   }
   for (const BodySpec& body : scene.bodies) {
     const std::uint32_t index = shapes.index(body.shape);
@@ -143,7 +220,9 @@ Setup assemble(const Scene& scene) {
               .velocity = body.velocity,
               .angular_velocity = body.angular_velocity,
               .origin = body.position});
+    restrain(body, body.position, setup.bodies.size() - 1, setup);
   }
+  hold_bodies(scene, of_pile, setup);
   if (free) {
     setup.shift = take_frame(setup.bodies);
     setup.frame.position += setup.shift.position;

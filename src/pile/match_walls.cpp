@@ -21,15 +21,10 @@ bool same_direction(const Vec3& a, const Vec3& b) {
   return (a - b).norm() <= kSameDirection;
 }
 
-/// A point of the wall frame in space.
-Vec3 point_in_space(const WallPose& pose, const Vec3& y) {
-  return pose.shift + pose.center + pose.to_space(y - pose.center);
-}
-
 /// A surface of a wall in space, moved on by `shift`.
 WallSurface in_space(const Wall& wall, double time, const Vec3& shift) {
   const WallPose pose = wall.motion.pose(time);
-  const auto at = [&](const Vec3& y) -> Vec3 { return point_in_space(pose, y) + shift; };
+  const auto at = [&](const Vec3& y) -> Vec3 { return pose.to_space_point(y) + shift; };
   if (const auto* plane = std::get_if<PlaneSurface>(&wall.surface))
     return PlaneSurface{at(plane->point), pose.to_space(plane->normal)};
   if (const auto* sphere = std::get_if<SphereSurface>(&wall.surface))
@@ -43,7 +38,7 @@ bool same_mesh(const Wall& a, double time_a, const Vec3& shift, const Wall& b, d
   if (m.triangles != n.triangles || m.vertices.size() != n.vertices.size()) return false;
   const WallPose at = a.motion.pose(time_a), bt = b.motion.pose(time_b);
   for (std::size_t v = 0; v < m.vertices.size(); ++v)
-    if ((point_in_space(at, m.vertices[v]) + shift - point_in_space(bt, n.vertices[v])).norm() > near)
+    if ((at.to_space_point(m.vertices[v]) + shift - bt.to_space_point(n.vertices[v])).norm() > near)
       return false;
   return true;
 }
@@ -110,6 +105,7 @@ WallHeritage match_walls(const FormerRun& former, const Scene& scene, const std:
                          const Frame& shift) {
   WallHeritage out;
   out.lead.assign(scene.walls.size(), 0.0);
+  out.driven.resize(scene.walls.size());
   if (former.scene.walls.empty()) return out;
   const State& state = former.state;
   std::size_t last = state.clock.stage;
@@ -122,6 +118,7 @@ WallHeritage match_walls(const FormerRun& former, const Scene& scene, const std:
   ending.walls = make_walls(former.scene);
   lead_walls(state.wall_lead, ending.walls);
   ending.contacts = former.contacts;
+  ending.driven = state.walls.driven;
   ending.check_contacts(state.bodies.spheres.size());
   set_walls(former.scene, last, std::vector<Wall>(ending.walls), state.stage_starts, ending);
 
@@ -135,13 +132,28 @@ WallHeritage match_walls(const FormerRun& former, const Scene& scene, const std:
       const Material &was = material_of(former.scene, ending.number[w]), &is = material_of(scene, n);
       if (same[w] || (was.name != is.name && !same_values(was, is))) continue;
       const double lead = time - old.motion.since;
-      if (moves && same_motion(old.motion, wall.motion, shift.velocity) &&
-          same_place(old, time, shift.position, wall, lead, near)) {
-        out.lead[n] = lead;
-        out.notes.push_back(fmt::format("wall {} goes on moving as at the end of {}, {:.6g} s after it began",
-                                        wall_name(scene, n), former.name, lead));
-      } else if (!same_place(old, time, shift.position, wall, 0.0, near)) {
+      const auto meets = [&](const Vec3& driven) {
+        if (moves && same_motion(old.motion, wall.motion, shift.velocity) &&
+            same_place(old, time, shift.position + driven, wall, lead, near)) {
+          out.lead[n] = lead;
+          out.notes.push_back(
+              fmt::format("wall {} goes on moving as at the end of {}, {:.6g} s after it began",
+                          wall_name(scene, n), former.name, lead));
+          return true;
+        }
+        return same_place(old, time, shift.position + driven, wall, 0.0, near);
+      };
+      const std::uint32_t number = ending.number[w];
+      const bool under_load = old.drive && wall.drive && same_direction(old.drive->axis, wall.drive->axis);
+      const bool as_before = under_load && meets(Vec3::Zero());  // and moved by its load since
+      if (!as_before &&
+          !meets(old.drive ? Vec3(ending.driven.place[number] * old.drive->axis) : Vec3::Zero()))
         continue;
+      if (as_before) out.driven.place[n] = ending.driven.place[number];
+      if (under_load) {
+        out.driven.speed[n] = ending.driven.speed[number];
+        out.notes.push_back(fmt::format("wall {} goes on under its load from {:.6g} m at {:.6g} m/s",
+                                        wall_name(scene, n), out.driven.place[n], out.driven.speed[n]));
       }
       same[w] = n;
       return;

@@ -13,6 +13,7 @@ namespace cairn {
 struct WallHeritage {
   std::vector<WallContact> contacts;  ///< by the walls' numbers in the scene, in the order of Walls::contacts
   std::vector<double> lead;           ///< s, of each wall of the scene, that it has moved before, see State
+  DrivenWalls driven;                 ///< of each wall of the scene
   std::vector<std::string> notes;     ///< what goes on, in a line each
   std::vector<std::string> warnings;  ///< what is lost, in a line each
 };
@@ -28,7 +29,7 @@ struct FormerRun {
 /// Matches the walls of the first stage of `scene` with those of a former run; its bodies are `shift` away in
 /// the scene. Walls are the same when they are equal in kind, geometry and place and of materials equal in
 /// name or in values. A wall that moves is looked for first where the same motion has brought it, and then
-/// goes on with it, unless the scene gives its motion_time.
+/// goes on with it, unless the scene gives its motion_time; one under a load goes on from where it was.
 /// @throws InputError when the contacts are not of the run's walls, or these cannot be made.
 WallHeritage match_walls(const FormerRun& former, const Scene& scene, const std::vector<Wall>& walls,
                          const Frame& shift);

@@ -54,7 +54,9 @@ std::string carve(const CarveSpec& spec, const Region& region, State& state,
   std::vector<std::uint8_t> keep = members(state.bodies, region, spec.whole);
   if (spec.outside) invert(keep);
   const std::size_t before = state.bodies.size(), left = count(keep);
-  if (left == 0) throw InputError("no body is left");
+  std::size_t moving = 0;
+  for (std::size_t b = 0; b < before; ++b) moving += keep[b] && !is_held(state.bodies, b);
+  if (moving == 0) throw InputError("{}", left == 0 ? "no body is left" : "no body is left that is not held");
   const std::vector<std::uint32_t> number = select_bodies(state.bodies, keep);
   std::erase_if(contacts,
                 [&](const ContactRecord& c) { return number[c.i] == kGone || number[c.j] == kGone; });

@@ -8,6 +8,7 @@
 #include "pile/match_walls.h"
 #include "sim/check_state.h"
 #include "sim/fields.h"
+#include "sim/restraints.h"
 #include "sim/run.h"
 
 namespace cairn {
@@ -69,9 +70,9 @@ std::vector<std::uint16_t> match_materials(const std::vector<std::string>& names
 FieldTable pile_fields(const ResultFile& file, FieldTable fields) {
   const auto there = [&](const std::string& name) { return file.has_group("checkpoint/" + name); };
   std::erase_if(fields, [&](const Field& field) {
-    for (const char* group : {"gravity/", "control/", "ledger/", "wall_loads/"})
+    for (const char* group : {"gravity/", "control/", "ledger/", "wall_loads/", "held/"})
       if (field.name.starts_with(group)) return true;
-    for (const char* newer : {"walls/", "clock/stage_starts", "region_volume", "wall_lead"})
+    for (const char* newer : {"walls/", "clock/stage_starts", "region_volume", "wall_lead", "driven/"})
       if (field.name.starts_with(newer)) return !there(field.name);
     return false;
   });
@@ -91,6 +92,7 @@ Setup read_pile(const std::filesystem::path& path, const Scene& scene, const std
   std::vector<std::string> names;
   read_constants(file, state.bodies, setup.shapes);
   file.read_static("materials", {{"name", "", "", &names}});
+  read_restraints(file, state.bodies, setup.held, setup.wall_sets);
   const FieldTable fields = pile_fields(file, checkpoint_fields(state, contacts.table(), touching));
   file.read_checkpoint(fields);
   if (const std::string what = not_finite(fields); !what.empty())
@@ -115,6 +117,7 @@ Setup read_pile(const std::filesystem::path& path, const Scene& scene, const std
           {setup.frame.position - scene.frame.position, setup.frame.velocity - scene.frame.velocity});
       setup.wall_contacts = std::move(heritage.contacts);
       setup.wall_lead = std::move(heritage.lead);
+      setup.driven = std::move(heritage.driven);
       setup.notes = std::move(heritage.notes);
       setup.warnings = std::move(heritage.warnings);
     });
@@ -139,6 +142,7 @@ Setup read_pile(const std::filesystem::path& path, const Scene& scene, const std
   setup.box.edge = state.box.edge;
   setup.contacts = contacts.records();
   setup.k_n = state.k_n;
+  for (WallMotion& motion : setup.held.motions) motion.since -= state.clock.time();  // they go on
   setup.region_volume = state.region_volume;
   return setup;
 }

@@ -7,7 +7,7 @@ namespace cairn {
 namespace {
 
 double rigid_energy(const State& state) {
-  if (!state.walls.empty()) return 0.0;
+  if (state.anchored()) return 0.0;
   const SpinState whole = spin_state(state.bodies, all_bodies(state.bodies));
   const double moving = 0.5 * whole.mass * whole.velocity.squaredNorm();
   return state.box.periodic() ? moving : moving + 0.5 * rotation_rate(whole).dot(whole.angular_momentum);

@@ -7,7 +7,7 @@
 namespace cairn {
 
 /// Kinetic and rotational energy (J) less that of the rigid motion with the same momentum and angular
-/// momentum; images cannot turn, and where there are walls no motion counts as rigid.
+/// momentum; images cannot turn, and where there are walls or held bodies no motion counts as rigid.
 double agitation(const State& state, const Budget& total);
 
 }  // namespace cairn

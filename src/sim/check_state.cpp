@@ -107,6 +107,14 @@ void check_checkpoint(const State& state, std::size_t stages, std::size_t walls)
     require(column->size() == walls, "walls: expected as many loads as walls");
   require(state.wall_lead.empty() || state.wall_lead.size() == walls,
           "clock/wall_lead: expected as many times of motion as walls");
+  for (const auto* column : {&state.walls.driven.place, &state.walls.driven.speed})
+    require(column->size() == walls, "driven: expected as many as walls");
+  const HeldBodies& held = state.held;
+  require(held.position.size() == held.body.size() && held.orientation.size() == held.body.size(),
+          "held: expected as many poses as held bodies");
+  require(
+      std::ranges::all_of(held.orientation, [](const Quat& q) { return std::abs(q.norm() - 1.0) < 1e-6; }),
+      "held/orientation: expected unit quaternions");
   require(state.relaxation.look > 0 && (state.relaxation.pile.empty() || state.relaxation.pile.size() == n) &&
               std::ranges::all_of(state.relaxation.pile, [n](std::uint32_t p) { return p < n; }),
           "relaxation: expected a pile for each body");

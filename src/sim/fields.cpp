@@ -111,8 +111,19 @@ FieldTable WallColumns::table(const std::string& prefix) {
   return fields;
 }
 
-FieldTable body_constants(Bodies& b) {
+namespace {
+
+/// Constants that not all scenes have.
+FieldTable rare_constants(Bodies& b) {
   return {
+      {"held", "", "0: free; k: moves as row k - 1 of /held_motions says", &b.held, "body"},
+      {"wall_set", "", "0: all walls touch it; k: those of row k - 1 of /wall_sets", &b.wall_set, "body"}};
+}
+
+}  // namespace
+
+FieldTable body_constants(Bodies& b) {
+  FieldTable table{
       {"mass", "kg", "mass", &b.mass, "body"},
       {"volume", "m^3", "mass over density", &b.volume, "body"},
       {"inertia", "kg m^2", "principal moments of inertia", &b.inertia, "body"},
@@ -120,6 +131,10 @@ FieldTable body_constants(Bodies& b) {
       {"size", "m", "reference radius that scales the shape", &b.length, "body"},
       {"material", "", "index into /materials", &b.material, "body"},
       {"first_sphere", "", "spheres of body b: first_sphere[b] to first_sphere[b+1]", &b.first_sphere, ""}};
+  const FieldTable rare = rare_constants(b);
+  if (!b.held.empty()) table.push_back(rare[0]);
+  if (!b.wall_set.empty()) table.push_back(rare[1]);
+  return table;
 }
 
 FieldTable sphere_constants(Bodies& b) {
@@ -154,6 +169,9 @@ FieldTable checkpoint_fields(State& s, const FieldTable& contacts, WallColumns& 
        {"strain/rate", "1/s", "of the stage", &s.strain.rate},
        {"strain/until", "s", "since the start of the stage: when the strain ends", &s.strain.until, "",
         Domain::any},
+       {"held/position", "m", "of held bodies, in their order, where their motion has not displaced them",
+        &s.held.position, "held"},
+       {"held/orientation", "", "quaternion w, x, y, z, the same", &s.held.orientation, "held"},
        {"force", "N", "of the last evaluation", &s.bodies.force, "body"},
        {"torque", "N m", "of the last evaluation, about the centre of mass", &s.bodies.torque, "body"},
        {"remnant", "", "1: part of the pile that is spun", &s.remnant, "body"},
@@ -208,8 +226,8 @@ FieldTable checkpoint_fields(State& s, const FieldTable& contacts, WallColumns& 
        {"control/next_check", "", "step of the stage at which the pile is looked at next",
         &s.control.next_check},
        {"ledger/dissipated", "J", "work lost in contacts", &s.ledger.dissipated},
-       {"ledger/wall_work", "J", "work done by moving walls", &s.ledger.wall_work},
-       {"ledger/wall_power", "W", "of the walls at the last evaluation", &s.ledger.wall_power},
+       {"ledger/wall_work", "J", "work done by moving walls and held bodies", &s.ledger.wall_work},
+       {"ledger/wall_power", "W", "of these at the last evaluation", &s.ledger.wall_power},
        {"ledger/control_work", "J", "work done by spin control", &s.ledger.control_work},
        {"ledger/relaxed", "J", "energy taken out by stages that relax", &s.ledger.relaxed},
        {"relaxation/pile", "", "number of each body's pile while it relaxes; empty: the stage does not",
@@ -238,6 +256,8 @@ FieldTable checkpoint_fields(State& s, const FieldTable& contacts, WallColumns& 
        {"wall_loads/impulse", "N s", "on each wall since wall_loads/since", &s.walls.loads.impulse},
        {"wall_loads/angular_impulse", "N m s", "the same, about the rotation point",
         &s.walls.loads.angular_impulse},
+       {"driven/place", "m", "of each wall of the scene, along the axis of its load", &s.walls.driven.place},
+       {"driven/speed", "m/s", "the same", &s.walls.driven.speed},
        {"wall_loads/since", "s", "the last row of the series", &s.walls.loads.since},
        {"stiffness", "N/m", "normal stiffness of the stage", &s.k_n}});
   add(contacts);
@@ -251,7 +271,12 @@ void read_constants(const ResultFile& file, Bodies& b, std::vector<std::string>&
 
 void read_constants(const ResultFile& file, Bodies& b, std::vector<std::string>& shapes,
                     std::uint64_t epoch) {
-  file.read_static(file.constants("bodies", epoch), body_constants(b));
+  const std::string group = file.constants("bodies", epoch);
+  FieldTable table = body_constants(b);
+  for (const DatasetInfo& there : file.list(group))
+    for (const Field& rare : rare_constants(b))
+      if (rare.name == there.name) table.push_back(rare);
+  file.read_static(group, table);
   file.read_static(file.constants("spheres", epoch), sphere_constants(b));
   file.read_static("shapes", {{"name", "", "", &shapes}});
   const auto fail = [&]<class... Args>(fmt::format_string<Args...> what, Args&&... args) {
@@ -261,6 +286,8 @@ void read_constants(const ResultFile& file, Bodies& b, std::vector<std::string>&
   if (n == 0 || b.first_sphere.size() != n + 1 || b.first_sphere.front() != 0 ||
       b.first_sphere.back() != spheres)
     fail("bodies/first_sphere: expected {} increasing entries from 0 to the number of spheres", n + 1);
+  for (const auto* column : {&b.held, &b.wall_set})
+    if (!column->empty() && column->size() != n) fail("bodies/held, bodies/wall_set: expected {} entries", n);
   for (std::size_t k = 0; k < n; ++k) {
     if (b.first_sphere[k] >= b.first_sphere[k + 1])
       fail("bodies/first_sphere: expected increasing entries, found a fall after body {}", k);

@@ -47,6 +47,8 @@ std::vector<Wall> make_walls(const Scene& scene) {
       walls.push_back({load_surface(scene, k), motion});
     else
       walls.push_back({surface(spec), motion});
+    if (spec.load)
+      walls.back().drive = WallDrive{spec.load_axis, *spec.load, spec.load_mass, spec.load_damping};
   }
   return walls;
 }
@@ -61,8 +63,12 @@ void set_walls(const Scene& scene, std::size_t stage, const std::vector<Wall>& w
   std::vector<std::uint32_t> place(walls.size(), none);
   acting.walls.clear();
   acting.number.clear();
+  acting.resize(walls.size());
   for (std::uint32_t w = 0; w < walls.size(); ++w) {
-    if (!has_wall(scene, stage, w)) continue;
+    if (!has_wall(scene, stage, w)) {
+      acting.driven.speed[w] = 0.0;
+      continue;
+    }
     place[w] = static_cast<std::uint32_t>(acting.walls.size());
     acting.walls.push_back(walls[w]);
     acting.number.push_back(w);
@@ -74,6 +80,23 @@ void set_walls(const Scene& scene, std::size_t stage, const std::vector<Wall>& w
   }
   std::erase_if(acting.contacts, [&](const WallContact& c) { return place[c.wall] == none; });
   for (WallContact& c : acting.contacts) c.wall = place[c.wall];
+}
+
+std::string set_of_walls(const std::vector<std::string>& names) {
+  std::string set = ",";
+  for (const std::string& name : names) set += name + ",";
+  return set;
+}
+
+std::vector<std::vector<std::uint8_t>> touching_walls(const Scene& scene,
+                                                      const std::vector<std::string>& sets) {
+  std::vector<std::vector<std::uint8_t>> out;
+  for (const std::string& set : sets) {
+    out.emplace_back();
+    for (std::size_t w = 0; w < scene.walls.size(); ++w)
+      out.back().push_back(set.find("," + wall_name(scene, w) + ",") != std::string::npos);
+  }
+  return out;
 }
 
 std::vector<Wall> walls_of_stage(const Scene& scene, std::size_t stage, const std::vector<Wall>& walls) {
@@ -109,7 +132,7 @@ double drop_height(const Bodies& bodies, const std::vector<Wall>& walls, const V
 double greatest_wall_speed(const Bodies& bodies, const std::vector<Wall>& walls) {
   double speed = 0.0;
   for (const Wall& wall : walls) {
-    if (!wall.motion.moves()) continue;
+    if (!wall.moves()) continue;
     const Vec3& center = wall.motion.center;
     double reach = 0.0;  // greatest distance of a body's centre from the axis of rotation
     if (wall.motion.spin != Vec3::Zero())

@@ -21,6 +21,12 @@ std::vector<Wall> walls_of_stage(const Scene& scene, std::size_t stage, const st
 void set_walls(const Scene& scene, std::size_t stage, const std::vector<Wall>& walls,
                const std::vector<double>& stage_starts, Walls& acting);
 
+/// Walls by their names, as Setup::wall_sets holds them: ",floor,lid,".
+std::string set_of_walls(const std::vector<std::string>& names);
+/// For each of such sets and each wall of the scene whether it is among them, see Walls::sets.
+std::vector<std::vector<std::uint8_t>> touching_walls(const Scene& scene,
+                                                      const std::vector<std::string>& sets);
+
 /// Greatest height (m) that a body can fall under the field (m/s^2) on another or on a wall.
 double drop_height(const Bodies& bodies, const std::vector<Wall>& walls, const Vec3& field);
 

@@ -37,15 +37,16 @@ constexpr Column kColumns[] = {
     {&O::all_b_over_a, "all_b_over_a", "", "axis ratio of all bodies together"},
     {&O::all_c_over_a, "all_c_over_a", "", "axis ratio of all bodies together"},
     {&O::wobble, "wobble", "rad", "angle between the remnant's axis of largest inertia and its L"},
-    {&O::kinetic, "kinetic_energy", "J", "of the bodies' mass centres"},
+    {&O::kinetic, "kinetic_energy", "J", "of the bodies' mass centres; held ones have none"},
     {&O::rotational, "rotational_energy", "J", "of the bodies about their mass centres"},
     {&O::agitation, "agitation", "J",
-     "kinetic and rotational energy less, without walls, that of the rigid motion with the same momenta"},
+     "kinetic and rotational energy less, without walls and held bodies, that of the rigid motion with the "
+     "same momenta"},
     {&O::gravitational, "gravitational_energy", "J", "between spheres of different bodies"},
-    {&O::field, "field_energy", "J", "in the uniform field, 0 at the origin"},
+    {&O::field, "field_energy", "J", "of what is not held in the uniform field, 0 at the origin"},
     {&O::elastic, "elastic_energy", "J", "in the springs of the contacts, less the work of cohesion"},
     {&O::dissipated, "dissipated_work", "J", "lost in contacts since the start"},
-    {&O::wall_work, "wall_work", "J", "done by moving walls since the start"},
+    {&O::wall_work, "wall_work", "J", "done by moving walls and held bodies since the start"},
     {&O::control_work, "control_work", "J", "done by spin control since the start"},
     {&O::relaxed_work, "relaxed_work", "J", "taken out by stages that relax, since the start"},
     {&O::perturber_work, "perturber_work", "J", "done by perturbers since the start"},
@@ -58,13 +59,14 @@ constexpr Column kColumns[] = {
     {&O::angular_z, "angular_momentum_z", "kg m^2/s", "total about the mass centre, spins included"},
     {&O::momentum_drift, "momentum_drift", "",
      "|P - P_start - given by fields| over the larger of the sum of |P_b| and, with self-gravity, M v, v the "
-     "escape speed sqrt(2 G M / R) of the bodies packed to a ball of radius R; NaN with walls or a strain"},
+     "escape speed sqrt(2 G M / R) of the bodies packed to a ball of radius R; NaN with walls, held bodies "
+     "or "
+     "a strain"},
     {&O::angular_drift, "angular_momentum_drift", "",
      "|L - L_start - given by control and perturbers| over the larger of the sum of |X x P| + |spin| and, "
-     "with "
-     "self-gravity, M R v (see momentum_drift); NaN with walls or a box"},
+     "with self-gravity, M R v (see momentum_drift); NaN with walls, held bodies or a box"},
     {&O::contacts, "contacts", "", "touching pairs of spheres, and of a sphere and a wall"},
-    {&O::coordination, "coordination", "", "mean contacts of a sphere, those with walls included"},
+    {&O::coordination, "coordination", "", "mean contacts of a sphere, with walls and held bodies included"},
     {&O::touching_bodies, "touching_bodies", "", "pairs of bodies that touch, each once"},
     {&O::largest_overlap, "largest_overlap", "", "over the smaller radius of its pair, since the row before"},
     {&O::remnant_mass_fraction, "remnant_mass_fraction", "", "mass of the largest remnant over all"},
@@ -88,6 +90,24 @@ std::size_t touching_body_pairs(const State& state) {
     }
   std::sort(pairs.begin(), pairs.end());
   return static_cast<std::size_t>(std::unique(pairs.begin(), pairs.end()) - pairs.begin());
+}
+
+/// Contacts of the spheres that are not held over their number.
+double contacts_per_sphere(const State& state) {
+  const Bodies& bodies = state.bodies;
+  std::size_t sides = 2 * state.contacts.contacts() + state.walls.contacts.size(),
+              spheres = bodies.spheres.size();
+  if (!state.held.empty()) {
+    const std::vector<std::uint32_t>& body = bodies.spheres.body;
+    for (std::size_t slot = 0; slot < state.contacts.slots(); ++slot)
+      if (state.contacts.touching(slot)) {
+        const Pair& p = state.contacts.pair(slot);
+        sides -= is_held(bodies, body[p.i]) || is_held(bodies, body[p.j]);
+      }
+    for (const WallContact& c : state.walls.contacts) sides -= is_held(bodies, body[c.sphere]);
+    for (const std::uint32_t b : state.held.body) spheres -= bodies.sphere_count(b);
+  }
+  return static_cast<double>(sides) / static_cast<double>(spheres);
 }
 
 }  // namespace
@@ -114,7 +134,7 @@ void observe_remnant(const State& state, double link_gap, Observation& o) {
   o.all_b_over_a = all.b_over_a();
   o.all_c_over_a = all.c_over_a();
   o.remnant_mass_fraction = fragments.mass[0] / mass;
-  o.shed_bodies = static_cast<double>(bodies.size() - remnant.size());
+  o.shed_bodies = static_cast<double>(bodies.size() - state.held.body.size() - remnant.size());
   o.fragments = static_cast<double>(fragments.size());
 }
 
@@ -153,7 +173,7 @@ Observation observe(const Physics& physics, const State& state, Scratch& scratch
   o.elastic = stored_energy(bodies, physics.contacts, state.contacts) +
               state.walls.stored_energy(bodies, physics.contacts, o.time);
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    o.field -= bodies.mass[b] * physics.field.dot(place(bodies, b));
+    if (!is_held(bodies, b)) o.field -= bodies.mass[b] * physics.field.dot(place(bodies, b));
   o.dissipated = ledger.dissipated;
   o.wall_work = ledger.wall_work;
   o.control_work = ledger.control_work;
@@ -168,7 +188,7 @@ Observation observe(const Physics& physics, const State& state, Scratch& scratch
   o.angular_x = l.x();
   o.angular_y = l.y();
   o.angular_z = l.z();
-  const bool walls = !state.walls.empty();
+  const bool anchored = state.anchored();
   const auto relative = [](double drift, double moving, double falling) {
     const double scale = std::max(moving, falling);
     return scale > 0.0 ? drift / scale : drift;
@@ -180,18 +200,17 @@ Observation observe(const Physics& physics, const State& state, Scratch& scratch
   const Vec3 given = ledger.perturbers.momentum + ledger.field_momentum +
                      total.mass * state.clock.stage_time() * physics.field;
   o.momentum_drift =
-      walls || physics.strain_rate != Vec3::Zero()
+      anchored || physics.strain_rate != Vec3::Zero()
           ? none
           : relative((p - ledger.start_momentum - given).norm(), total.momentum_scale, total.mass * speed);
   const Vec3 turned = ledger.control_momentum + ledger.perturbers.angular_momentum;
-  o.angular_drift = walls || state.box.periodic()
+  o.angular_drift = anchored || state.box.periodic()
                         ? none
                         : relative((l - ledger.start_angular_momentum - turned).norm(),
                                    total.angular_scale_about_center, total.mass * radius * speed);
 
-  const std::size_t pairs = state.contacts.contacts(), on_walls = state.walls.contacts.size();
-  o.coordination = static_cast<double>(2 * pairs + on_walls) / static_cast<double>(bodies.spheres.size());
-  o.contacts = static_cast<double>(pairs + on_walls);
+  o.coordination = contacts_per_sphere(state);
+  o.contacts = static_cast<double>(state.contacts.contacts() + state.walls.contacts.size());
   o.touching_bodies = static_cast<double>(touching_body_pairs(state));
   o.largest_overlap = ledger.recent_overlap;
   o.packing = state.box.closed() ? packing_fraction(physics, state.box) : none;

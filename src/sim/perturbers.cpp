@@ -80,6 +80,7 @@ PerturberSums pull_bodies(const std::vector<Vec3>& pulls, double dt, std::size_t
   PerturberRates sum;
   Vec3 moment = Vec3::Zero();
   for (std::size_t b = first; b < last; ++b) {
+    if (is_held(bodies, b)) continue;
     const std::uint32_t sphere = bodies.first_sphere[b];
     Vec3 force = spheres.mass[sphere] * pulls[sphere];
     if (bodies.sphere_count(b) > 1) {

@@ -60,6 +60,15 @@ ContactDemand demand_of(const std::vector<Material>& materials, const std::vecto
   return demand;
 }
 
+/// The least mass (kg) of a wall under a load; infinite: there is none.
+double lightest_wall(const Scene& scene, std::size_t stage) {
+  double lightest = std::numeric_limits<double>::infinity();
+  for (std::size_t w = 0; w < scene.walls.size(); ++w)
+    if (has_wall(scene, stage, w) && scene.walls[w].load)
+      lightest = std::min(lightest, scene.walls[w].load_mass);
+  return lightest;
+}
+
 /// Cohesion alone must not press two spheres, or a sphere and a wall, together beyond the limit.
 void check_cohesion(const Physics& p, const std::string& stage, const Bodies& bodies) {
   const double pull = greatest_pull(bodies, demand_of(p.materials, p.wall_materials));
@@ -157,8 +166,8 @@ void resolve_contacts(const Scene& scene, std::size_t index, const Bodies& bodie
 
   double shape_factor = 0.0;
   for (const Material& m : touching) shape_factor = std::max(shape_factor, m.shape_factor);
-  const ShortestContact shortest =
-      shortest_contact(bodies, p.k_n, shape_factor, p.contacts.features.rolling, !p.wall_materials.empty());
+  const ShortestContact shortest = shortest_contact(bodies, p.k_n, shape_factor, p.contacts.features.rolling,
+                                                    !p.wall_materials.empty(), lightest_wall(scene, index));
   p.contact_time = shortest.time;
   p.shortest_contact = explain(shortest, bodies);
 }
@@ -191,6 +200,9 @@ double closing_speed(const Bodies& bodies) {
 
 bool can_touch(const Scene& scene, std::size_t index, const Bodies& bodies) {
   if (!contacts_of(scene, index)) return false;
+  std::size_t b = 0;
+  while (b < bodies.size() && is_held(bodies, b)) ++b;
+  if (b == bodies.size()) return false;
   for (std::size_t w = 0; w < scene.walls.size(); ++w)
     if (has_wall(scene, index, w)) return true;
   return bodies.size() > 1 || scene.box;
@@ -229,7 +241,8 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   p.overlap_limit = contact.overlap_limit;
   if (p.can_touch) resolve_contacts(scene, index, bodies, p);
   p.gravity = gravity_of(scene, index);
-  p.body_mass = std::accumulate(bodies.mass.begin(), bodies.mass.end(), 0.0);
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (!is_held(bodies, b)) p.body_mass += bodies.mass[b];
   p.perturbers = make_perturbers(scene, p.body_mass);
   const std::optional<double> given = stage.time_step ? stage.time_step : contact.time_step;
   const double longest = kLongestSafeStep * p.contact_time;
@@ -314,6 +327,7 @@ std::string describe_models(const Physics& physics, const Bodies& bodies, bool w
   if (f.cohesion) text += " + cohesion";
   if (f.rolling_slip) text += " (rolling slip of Zhang 2017)";
   if (walls) text += "; walls";
+  if (!bodies.held.empty()) text += "; held bodies";
   if (box) text += "; periodic box";
   if (physics.strain_rate != Vec3::Zero()) text += ", strained";
   if (physics.gravity == GravityMethod::direct) text += "; direct gravity";

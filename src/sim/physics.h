@@ -30,7 +30,7 @@ struct Physics {
   double fall_time = 0.0;               ///< s, 1/sqrt(4 pi G rho / 3) of the densest body
   Vec3 field = Vec3::Zero();            ///< m/s^2
   std::vector<gravity::Perturber> perturbers;
-  double body_mass = 0.0;       ///< kg, of all bodies
+  double body_mass = 0.0;       ///< kg, of all bodies that are not held
   double largest_radius = 0.0;  ///< m, of a sphere
   std::optional<SpinSpec> spin;
   std::optional<RelaxSpec> relax;

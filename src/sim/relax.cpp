@@ -16,7 +16,8 @@ namespace {
 void collect_piles(const State& state, Scratch& scratch) {
   const std::vector<std::uint32_t>& pile = state.relaxation.pile;
   scratch.piles.assign(*std::max_element(pile.begin(), pile.end()) + 1, {});
-  for (std::uint32_t b = 0; b < pile.size(); ++b) scratch.piles[pile[b]].push_back(b);
+  for (std::uint32_t b = 0; b < pile.size(); ++b)
+    if (!is_held(state.bodies, b)) scratch.piles[pile[b]].push_back(b);
   std::erase_if(scratch.piles, [](const auto& bodies) { return bodies.size() < 2; });
 }
 

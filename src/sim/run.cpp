@@ -15,6 +15,7 @@
 #include "sim/make_perturbers.h"
 #include "sim/make_walls.h"
 #include "sim/relax.h"
+#include "sim/restraints.h"
 #include "sim/spin_control.h"
 #include "sim/wall_columns.h"
 #include "sim/warnings.h"
@@ -62,13 +63,16 @@ FieldTable RunAttributes::table() {
 Run::Run(Scene scene, Setup setup, ResultFile results, Operation operation)
     : Run(std::move(scene), std::move(results), std::move(operation)) {
   shapes_ = setup.shapes;
+  write_restraints(results_, setup.held, setup.wall_sets);
+  const std::vector<std::string> wall_sets = setup.wall_sets;
   inherited_ = std::move(setup.contacts);
   state_ = first_state(std::move(setup));
   prepare_bodies();
   walls_ = make_walls(scene_);
   lead_walls(state_.wall_lead, walls_);
   load_tracks(scene_);
-  state_.walls.loads.resize(walls_.size());
+  state_.walls.resize(walls_.size());
+  state_.walls.sets = touching_walls(scene_, wall_sets);
   check_stages(0);
   const Budget total = budget(state_.bodies);
   state_.ledger.start_momentum = total.momentum;
@@ -135,8 +139,12 @@ Run Run::load(const std::filesystem::path& path, Operation operation) {
   read_constants(run.results_, state.bodies, run.shapes_);
   ContactColumns contacts;
   WallColumns walls;
+  std::vector<std::string> wall_sets;
+  read_restraints(run.results_, state.bodies, state.held, wall_sets);
+  state.walls.sets = touching_walls(run.scene_, wall_sets);
   const FieldTable fields = checkpoint_fields(state, contacts.table(), walls);
   run.results_.read_checkpoint(fields);
+  state.held.list(state.bodies);
   naming(path.string(), [&] {
     check_motion(state.bodies, run.scene_.materials.size());
     check_contacts(contacts, state.bodies);
@@ -198,6 +206,7 @@ std::string Run::operate() {
   const PhaseTimes times = scratch_.times;
   scratch_ = Scratch();
   scratch_.times = times;
+  state_.held.find(state_.bodies, state_.clock.time());
   state_.remnant.assign(state_.bodies.size(), 1);
   state_.ledger.rebase = true;
   prepare_bodies();

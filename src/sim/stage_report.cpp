@@ -68,7 +68,7 @@ StageReport measure(const State& state, double link_gap, double interior) {
   const Fragments groups = find_fragments(bodies, link_gap, state.box);
   const std::vector<std::uint32_t> largest = groups.members(0);
   r.groups = static_cast<double>(groups.size());
-  r.outside = r.bodies - static_cast<double>(largest.size());
+  r.outside = r.bodies - static_cast<double>(state.held.body.size() + largest.size());
   const SpinState spin = spin_state(bodies, largest);
   r.period = spin_period(spin, Vec3::UnitZ());
   r.speed = std::sqrt(2.0 * std::max(agitation(state, total), 0.0) / total.mass);

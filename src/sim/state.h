@@ -6,6 +6,7 @@
 
 #include "body/cells.h"
 #include "contact/box.h"
+#include "contact/held.h"
 #include "contact/history.h"
 #include "contact/walls.h"
 #include "gravity/renewal.h"
@@ -82,8 +83,8 @@ struct PerturberLedger {
 /// Running totals.
 struct Ledger {
   double dissipated = 0.0;               ///< J, lost in contacts
-  double wall_work = 0.0;                ///< J, done by moving walls
-  double wall_power = 0.0;               ///< W, of the walls at the last evaluation
+  double wall_work = 0.0;                ///< J, done by moving walls and held bodies
+  double wall_power = 0.0;               ///< W, of these at the last evaluation
   double control_work = 0.0;             ///< J, done by spin control
   double relaxed = 0.0;                  ///< J, taken out by stages that relax
   Vec3 control_momentum = Vec3::Zero();  ///< kg m^2/s, angular momentum given by spin control
@@ -104,6 +105,7 @@ struct State {
   Strain strain;  ///< of the box, in the stage
   ContactList contacts;
   Walls walls;
+  HeldBodies held;
   gravity::HeldGravity gravity;
   Clock clock;
   Control control;
@@ -115,6 +117,9 @@ struct State {
   std::vector<double> wall_lead;     ///< s, that each wall had moved before it began to in this run; empty: 0
   std::vector<std::uint8_t> remnant;  ///< of each body: 1 when part of the pile that is spun
   bool finished = false;
+
+  /// Whether momentum can go to what does not move freely.
+  bool anchored() const { return !walls.empty() || !held.empty(); }
 };
 
 }  // namespace cairn

@@ -28,10 +28,12 @@ double& time_of(Scratch& scratch, Phase phase) {
   return scratch.times[static_cast<std::size_t>(phase)];
 }
 
-/// The rigid motion that carries the bodies' total momentum and angular momentum; images cannot turn.
+/// The rigid motion that carries the bodies' total momentum and angular momentum; images cannot turn, and
+/// those among held ones do not.
 RigidMotion rigid_motion(const State& state) {
   const SpinState whole = spin_state(state.bodies, all_bodies(state.bodies));
   if (state.box.periodic()) return {Vec3::Zero(), whole.velocity, Vec3::Zero(), state.clock.time()};
+  if (!state.held.empty()) return {whole.center, Vec3::Zero(), Vec3::Zero(), state.clock.time()};
   return {whole.center, whole.velocity, rotation_rate(whole), state.clock.time()};
 }
 
@@ -270,9 +272,17 @@ void evaluate_forces(const Physics& physics, const SweepSettings& settings, doub
   if (!state.walls.empty()) {
     walls = state.walls.sweep(scratch.motions, settings, state.clock.time(), scratch.wall_candidates,
                               state.bodies);
+  }
+  if (state.anchored()) {
+    const double time = state.clock.time();
+    double power = walls.power, kicked = walls.kicked;
+    if (!state.held.empty()) {
+      power += state.held.power(time, physics.field, state.bodies);
+      kicked += state.held.kicked(time, state.contacts, state.bodies);
+    }
     // A wrench acts for half a step on either side of its evaluation.
-    ledger.wall_work += 0.5 * settings.dt * (ledger.wall_power + walls.power) + walls.kicked;
-    ledger.wall_power = walls.power;
+    ledger.wall_work += 0.5 * settings.dt * (ledger.wall_power + power) + kicked;
+    ledger.wall_power = power;
   }
   ledger.dissipated += pairs.dissipated + walls.dissipated;
   const double overlap = std::max(pairs.overlap_ratio, walls.overlap_ratio);
@@ -297,6 +307,7 @@ void advance(const Vec3& half_stretch, double dt, State& state, Scratch& scratch
     place_spheres(bodies, begin, end);
     compute_motions(bodies, spin_mid, dt, state.box.rate, begin, end, scratch.motions);
   });
+  if (!state.held.empty()) state.held.move(state.clock.time(), dt, bodies, scratch.motions);
   if (!left) return;
   settle_cells(bodies);
   place_spheres(bodies);
@@ -372,6 +383,7 @@ void begin_stage(const Physics& physics, std::vector<ContactRecord> contacts, St
   std::vector<Vec3> spin(bodies.size());
   parallel_for(bodies.size(), [&](std::size_t b) { spin[b] = angular_velocity(bodies, b); });
   compute_motions(bodies, spin, 0.0, scratch.motions, state.box.rate);
+  if (!state.held.empty()) state.held.move(state.clock.time(), 0.0, bodies, scratch.motions);
   if (physics.gravity != GravityMethod::none) renew_gravity(physics, state, scratch);
   evaluate_forces(physics, still, 0.0, state, scratch);
   add_perturbers(physics, 0.0, state, scratch.perturbers);
@@ -416,6 +428,7 @@ void step(const Physics& physics, State& state, Scratch& scratch) {
     ScopedTimer timer(time_of(scratch, Phase::motion));
     kick(bodies, 0.5 * dt);
   }
+  if (!state.held.empty()) state.held.hold(state.clock.time(), bodies);
   if (physics.spin) {
     ScopedTimer timer(time_of(scratch, Phase::control));
     control_spin(physics, scratch.everyone, state);

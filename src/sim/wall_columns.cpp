@@ -22,6 +22,10 @@ std::vector<SeriesColumn> run_columns(const Scene& scene) {
     add("torque", "N m", fmt::format("on the wall about its rotation point {}", kNow));
     add("mean_force", "N", fmt::format("on the wall, {}", kMean));
     add("mean_torque", "N m", fmt::format("on the wall about its rotation point, {}", kMean));
+    if (!scene.walls[w].load) continue;
+    out.push_back({fmt::format("wall_{}_displacement", wall_name(scene, w)), "m",
+                   "of a wall under a load, along load_axis, since the start"});
+    out.push_back({fmt::format("wall_{}_speed", wall_name(scene, w)), "m/s", "along load_axis"});
   }
   return out;
 }
@@ -42,6 +46,9 @@ std::vector<double> run_row(const Scene& scene, const Observation& observation, 
     add(loads.torque[w]);
     add(mean(loads.force[w], loads.impulse[w]));
     add(mean(loads.torque[w], loads.angular_impulse[w]));
+    if (!scene.walls[w].load) continue;
+    out.push_back(state.walls.driven.place[w]);
+    out.push_back(state.walls.driven.speed[w]);
   }
   return out;
 }

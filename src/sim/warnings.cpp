@@ -70,6 +70,16 @@ std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies,
                       dt, p.name, passage));
   }
   for (std::size_t w = 0; w < walls.size(); ++w) {
+    if (const std::optional<WallDrive>& drive = walls[w].drive; drive && physics.can_touch) {
+      // So many contacts at once swing by half a radian in a step.
+      const double most = 0.25 * drive->mass / (physics.k_n * dt * dt),
+                   pressing = std::pow(static_cast<double>(bodies.spheres.size()), 2.0 / 3.0);
+      if (pressing > most)
+        out.push_back(fmt::format(
+            "wall {} is light for a load that some {:.0f} spheres may bear: its motion will not be followed; "
+            "take a load_mass of at least {:.3g} kg or a time_step of at most {:.2g} s",
+            w, pressing, drive->mass * pressing / most, dt * std::sqrt(most / pressing)));
+    }
     const WallMotion& motion = walls[w].motion;
     const double turn = motion.spin.norm() * dt;
     const double swing = motion.amplitude == Vec3::Zero() ? 0.0 : 2.0 * kPi * motion.frequency * dt;

@@ -12,10 +12,10 @@ namespace cairn {
 struct Experiment : Stage {
   explicit Experiment(const std::string& text) : Stage(text) {
     Setup setup = assemble(scene);
-    state.bodies = std::move(setup.bodies);
-    state.frame = setup.frame;
-    state.shift = setup.shift;
-    state.box = setup.box;
+    Walls walls = std::move(state.walls);
+    walls.sets = touching_walls(scene, setup.wall_sets);
+    state = first_state(std::move(setup));
+    state.walls = std::move(walls);
     place_spheres(state.bodies);
   }
 };

@@ -19,6 +19,10 @@ struct WallPose {
     const Vec3 y = x - shift;
     return turned ? Vec3(center + turn.transpose() * (y - center)) : y;
   }
+  /// A point of the wall frame in space.
+  Vec3 to_space_point(const Vec3& y) const {
+    return turned ? Vec3(shift + center + turn * (y - center)) : Vec3(y + shift);
+  }
   /// The rotation point in space.
   Vec3 pivot() const { return shift + center; }
   /// A direction of the wall frame in space.

@@ -1,9 +1,11 @@
-// A wall: a surface that moves as prescribed.
+// A wall: a surface that moves as prescribed, or under a load.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <variant>
 
+#include "contact/wall/drive.h"
 #include "contact/wall/mesh_surface.h"
 #include "contact/wall/motion.h"
 
@@ -15,7 +17,9 @@ using WallSurface = std::variant<PlaneSurface, SphereSurface, CylinderSurface, W
 struct Wall {
   WallSurface surface;  ///< at time 0, but for the oscillation's displacement
   WallMotion motion;
+  std::optional<WallDrive> drive = {};
 
+  bool moves() const { return drive || motion.moves(); }
   const MeshSurface* mesh() const {
     const WallMesh* mesh = std::get_if<WallMesh>(&surface);
     return mesh ? mesh->get() : nullptr;

@@ -21,11 +21,13 @@ void WallCandidates::resize(const Bodies& bodies) {
 
 const std::vector<WallCandidates::Entry>& WallCandidates::list(std::size_t index, const Bodies& bodies,
                                                                const std::vector<Wall>& walls,
-                                                               const std::vector<WallPose>& poses) {
+                                                               const std::vector<WallPose>& poses,
+                                                               const WallFilter& filter) {
   Block& block = blocks_[index];
   const std::size_t begin = bodies.first_sphere[index * kBlock];
   const std::size_t end = bodies.first_sphere[std::min((index + 1) * kBlock, bodies.size())];
-  if (expired(block, begin, end, bodies, walls, poses)) renew(block, begin, end, bodies, walls, poses);
+  if (expired(block, begin, end, bodies, walls, poses))
+    renew(block, begin, end, bodies, walls, poses, filter);
   return block.entries;
 }
 
@@ -43,7 +45,7 @@ bool WallCandidates::expired(const Block& block, std::size_t begin, std::size_t 
   for (std::size_t s = begin; s < end; ++s)  // written so that NaN counts as far
     far |= !((x[s] - reference_[s]).squaredNorm() < reach_[s] * reach_[s]);
   for (std::size_t w = 0; w < walls.size() && !far; ++w) {
-    if (!walls[w].mesh() || !walls[w].motion.moves()) continue;
+    if (!walls[w].mesh() || !walls[w].moves()) continue;
     for (std::size_t s = begin; s < end; ++s)
       far |= !((poses[w].to_wall(x[s]) - block.poses[w].to_wall(reference_[s])).squaredNorm() <
                reach_[s] * reach_[s]);
@@ -52,7 +54,8 @@ bool WallCandidates::expired(const Block& block, std::size_t begin, std::size_t 
 }
 
 void WallCandidates::renew(Block& block, std::size_t begin, std::size_t end, const Bodies& bodies,
-                           const std::vector<Wall>& walls, const std::vector<WallPose>& poses) {
+                           const std::vector<Wall>& walls, const std::vector<WallPose>& poses,
+                           const WallFilter& filter) {
   static thread_local std::vector<std::uint32_t> triangles;
   block.entries.clear();
   block.poses = poses;
@@ -62,7 +65,7 @@ void WallCandidates::renew(Block& block, std::size_t begin, std::size_t end, con
     double clear = std::numeric_limits<double>::max();
     for (std::uint32_t w = 0; w < walls.size(); ++w) {
       const MeshSurface* mesh = walls[w].mesh();
-      if (!mesh && walls[w].motion.moves()) continue;
+      if ((!mesh && walls[w].moves()) || !filter.touches(w, bodies.spheres.body[s])) continue;
       const Vec3 y = poses[w].to_wall(bodies.spheres.position[s]);
       const double gap = (mesh ? mesh->tree().distance(y) : walls[w].nearest(y).arm) - radius;
       clear = std::min(clear, gap);

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "body/bodies.h"
-#include "contact/wall/wall.h"
+#include "contact/wall/filter.h"
 
 namespace cairn {
 
@@ -25,7 +25,7 @@ class WallCandidates {
   /// The list of a block at the walls' present poses, in the order of sphere, wall, triangle. Blocks may be
   /// asked for at once.
   const std::vector<Entry>& list(std::size_t block, const Bodies& bodies, const std::vector<Wall>& walls,
-                                 const std::vector<WallPose>& poses);
+                                 const std::vector<WallPose>& poses, const WallFilter& filter);
 
   /// Lists renewed so far.
   std::size_t renewals() const;
@@ -40,7 +40,7 @@ class WallCandidates {
   bool expired(const Block& block, std::size_t begin, std::size_t end, const Bodies& bodies,
                const std::vector<Wall>& walls, const std::vector<WallPose>& poses) const;
   void renew(Block& block, std::size_t begin, std::size_t end, const Bodies& bodies,
-             const std::vector<Wall>& walls, const std::vector<WallPose>& poses);
+             const std::vector<Wall>& walls, const std::vector<WallPose>& poses, const WallFilter& filter);
 
   std::vector<Block> blocks_;
   std::vector<Vec3> reference_;  // sphere centres at the renewal

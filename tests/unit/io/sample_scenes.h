@@ -101,6 +101,12 @@ position = [0, 0, 5]
 velocity = [1, 2, 3]
 angular_velocity = [0.1, 0.2, 0.3]
 orientation = [0, 0, 0, 2]
+walls = ["floor_1", "3"]
+[[body]]
+shape = "sphere"
+density = 2500
+material = "stone"
+held = { velocity = [0, 0, 1], oscillation_amplitude = [0, 0, 0.01], oscillation_frequency = 20, oscillation_phase = 1.5, angular_velocity = [0, 0.5, 0], rotation_point = [5, 0, 1] }
 [[wall]]
 name = "floor_1"
 kind = "plane"
@@ -130,6 +136,10 @@ kind = "sphere"
 radius = 100
 angular_velocity = [0, 0, 1]
 point = [1, 2, 3]
+load = -5e4
+load_axis = [0, 0, 2]
+load_mass = 1e3
+load_damping = 10
 [[material]]
 name = "stone"
 [gravity]
@@ -215,6 +225,8 @@ density = 2500
 material = "stone"
 spacing = 7
 random_orientation = true
+walls = []
+held = { velocity = [0, 0, 1], oscillation_amplitude = [0, 0, 0.01], oscillation_frequency = 20, oscillation_phase = 1.5, angular_velocity = [0, 0.5, 0], rotation_point = [5, 0, 1] }
 [lattice.region]
 kind = "ball"
 radius = 40
@@ -233,6 +245,8 @@ median = 2
 sigma = 0.3
 density = 2000
 hole = 50
+walls = ["0"]
+held = { velocity = [0, 0, 1], oscillation_amplitude = [0, 0, 0.01], oscillation_frequency = 20, oscillation_phase = 1.5, angular_velocity = [0, 0.5, 0], rotation_point = [5, 0, 1] }
 [[cloud.shape]]
 shape = "sphere"
 [[material]]

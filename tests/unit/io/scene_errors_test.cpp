@@ -248,6 +248,26 @@ TEST(SceneErrors, WallsHaveTheKeysOfTheirKind) {
         "s.toml:9:21: key 'wall[0].oscillation_phase': has no effect without oscillation_amplitude"},
        {"[[wall]]\nkind = 'plane'\nname = 'a/b'",
         "s.toml:9:8: key 'wall[0].name': expected letters, digits, '_' and '-' only, found 'a/b'"},
+       {"[[wall]]\nkind = 'plane'\nload = 1",
+        "s.toml:7:1: key 'wall[0].load_mass': missing key; required because there is a load"},
+       {"[[wall]]\nkind = 'plane'\nload_mass = 1",
+        "s.toml:9:13: key 'wall[0].load_mass': has no effect without load"},
+       {"[[wall]]\nkind = 'sphere'\nradius = 3\nload = 1\nload_mass = 2",
+        "s.toml:7:1: key 'wall[0].load_axis': missing key; required because there is a load, and the kind is "
+        "not "
+        "'plane'"},
+       {"[[wall]]\nkind = 'plane'\nload = 1\nload_mass = 2\nvelocity = [1, 0, 1]",
+        "s.toml:11:12: key 'wall[0].velocity': expected a direction across load_axis, along which the load "
+        "moves "
+        "the wall"},
+       {"[[body]]\nshape = 'sphere'\ndensity = 1\nwalls = ['lid']\n[[wall]]\nkind = 'plane'",
+        "s.toml:10:9: key 'body[1].walls': no [[wall]] is called 'lid'; expected some of '0'"},
+       {"[[body]]\nshape = 'sphere'\ndensity = 1\nwalls = ['lid']",
+        "s.toml:10:9: key 'body[1].walls': no [[wall]] is called 'lid'; the scene has none"},
+       {"[[body]]\nshape = 'sphere'\ndensity = 1\nheld = {}\nvelocity = [1, 0, 0]",
+        "s.toml:11:12: key 'body[1].velocity': has no effect on what is held; expected it in 'held'"},
+       {"[[body]]\nshape = 'sphere'\ndensity = 1\nheld = { oscillation_phase = 1 }",
+        "s.toml:10:30: key 'body[1].held.oscillation_phase': has no effect without oscillation_amplitude"},
        {"[[wall]]\nkind = 'plane'\nname = '12'",
         "s.toml:9:8: key 'wall[0].name': expected more than digits, which stand for walls without a name, "
         "found '12'"},

@@ -109,7 +109,7 @@ TEST(Scene, StagesAndOutputArrive) {
 TEST(Scene, BodiesAndWallsArriveWithUnitDirections) {
   const Scene scene = parse(kBodyScene);
   EXPECT_EQ(scene.pile, "rubble.h5");
-  ASSERT_EQ(scene.bodies.size(), 1u);
+  ASSERT_EQ(scene.bodies.size(), 2u);
   const BodySpec& body = scene.bodies[0];
   EXPECT_EQ(body.shape, "sphere");
   EXPECT_EQ(body.size, 2.0);
@@ -143,6 +143,18 @@ TEST(Scene, BodiesAndWallsArriveWithUnitDirections) {
   EXPECT_FALSE(drum.motion_time);
   EXPECT_EQ(ball.kind, WallKind::sphere);
   EXPECT_EQ(ball.side, WallSide::inside);
+  EXPECT_EQ(ball.load, -5e4);
+  EXPECT_EQ(ball.load_axis, Vec3::UnitZ());
+  EXPECT_EQ(ball.load_mass, 1e3);
+  EXPECT_EQ(ball.load_damping, 10.0);
+  EXPECT_FALSE(bowl.load);
+  EXPECT_FALSE(body.held);
+  EXPECT_EQ(body.walls, (std::vector<std::string>{"floor_1", "3"}));
+  EXPECT_FALSE(scene.bodies.at(1).walls);
+  ASSERT_TRUE(scene.bodies[1].held);
+  EXPECT_EQ(scene.bodies[1].held->velocity, Vec3::UnitZ());
+  EXPECT_EQ(scene.bodies[1].held->oscillation_phase, 1.5);
+  EXPECT_EQ(scene.bodies[1].held->rotation_point, Vec3(5, 0, 1));
   EXPECT_EQ(ball.rotation_point, Vec3(1, 2, 3));  // turns about its centre unless told otherwise
 }
 

@@ -1,0 +1,175 @@
+// Held bodies, walls under a load and walls that touch only some bodies, in runs that stop and go on.
+#include "sim/restraints.h"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <cstring>
+#include <optional>
+
+#include "core/error.h"
+#include "folder.h"
+#include "pile/assemble.h"
+#include "pile/operate.h"
+#include "sim/fields.h"
+#include "sim/run.h"
+
+namespace cairn {
+namespace {
+
+/// Grains on a floor of held balls that swings and turns, under a lid; a ball that only the lid touches hangs
+/// in between, another one falls through all.
+constexpr const char* kScene = R"(
+[[lattice]]
+kind = "sc"
+size = 0.5
+density = 2000
+held = { oscillation_amplitude = [0, 0, 0.02], oscillation_frequency = 2, angular_velocity = [0, 0, 0.5] }
+region = { kind = "box", size = [5, 5, 0.5] }
+[[body]]
+shape = "cube"
+density = 2000
+size = 0.5
+position = [0, 0, 1.6]
+orientation = [0.9, 0.2, 0.1, 0.3]
+[[body]]
+shape = "sphere"
+density = 2000
+size = 0.5
+position = [1.5, 0.3, 1.4]
+walls = ["lid"]
+[[body]]
+shape = "sphere"
+density = 2000
+position = [30, 0, 1]
+walls = []
+)";
+constexpr const char* kRest = R"(
+[[wall]]
+name = "lid"
+kind = "plane"
+normal = [0, 0, -1]
+point = [0, 0, 3.4]
+load = 3000
+load_mass = 900
+load_damping = 50
+[[wall]]
+kind = "plane"
+point = [0, 0, -3]
+[contact]
+stiffness = 1e6
+[gravity]
+method = "none"
+field = [0.2, 0.05, -1.95]
+[output]
+series_interval = 0.1
+)";
+constexpr const char* kFirst = "[[stage]]\nname = 'fall'\nduration = 2\n";
+constexpr const char* kSecond = "[[stage]]\nname = 'on'\nduration = 1\n";
+
+class Restraints : public testing::Test {
+ protected:
+  Restraints() { omp_set_num_threads(1); }
+  ~Restraints() override { omp_set_num_threads(threads_); }
+
+  /// Runs to the end; with `stops` it is interrupted at every opportunity. Returns how often that was.
+  int run_to_end(const std::string& text, const std::string& name, bool stops = false) const {
+    Scene scene = parse_scene(text, "scene.toml", folder_.path());
+    RunAttributes attributes{
+        .title = "", .scene = text, .directory = folder_.path().string(), .version = "", .seed = 1};
+    cairn::Setup setup = assemble(scene);
+    std::optional<cairn::Run> run(std::in_place, std::move(scene), std::move(setup),
+                                  ResultFile::create(folder_ / name, attributes.table(), false), operate);
+    for (int count = 0;; ++count) {
+      if (run->advance({.watch = [&](const cairn::Run&) { return !stops; }}) == RunEnd::finished)
+        return count;
+      run.reset();
+      run.emplace(cairn::Run::resume(folder_ / name, operate));
+    }
+  }
+
+  State end_of(const std::string& name) const {
+    const ResultFile file = ResultFile::open(folder_ / name);
+    State state;
+    ContactColumns contacts;
+    WallColumns walls;
+    std::vector<std::string> shapes, sets;
+    read_constants(file, state.bodies, shapes);
+    read_restraints(file, state.bodies, state.held, sets);
+    file.read_checkpoint(checkpoint_fields(state, contacts.table(), walls));
+    return state;
+  }
+
+  const int threads_ = omp_get_max_threads();
+  Folder folder_;
+};
+
+TEST_F(Restraints, AStoppedRunGivesTheSameBits) {
+  const std::string text = std::string(kScene) + kRest + kFirst + kSecond;
+  EXPECT_EQ(run_to_end(text, "whole.h5"), 0);
+  EXPECT_GT(run_to_end(text, "pieces.h5", true), 2);
+  const ResultFile whole = ResultFile::open(folder_ / "whole.h5"),
+                   pieces = ResultFile::open(folder_ / "pieces.h5");
+  for (const SeriesColumn& column : whole.series_columns()) {
+    const std::vector<double> a = whole.read_series(column.name), b = pieces.read_series(column.name);
+    ASSERT_EQ(a.size(), b.size());
+    EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(double)), 0) << column.name;
+  }
+  const State a = end_of("whole.h5"), b = end_of("pieces.h5");
+  EXPECT_EQ(a.bodies.position, b.bodies.position);
+  EXPECT_EQ(a.bodies.velocity, b.bodies.velocity);
+  EXPECT_EQ(a.walls.driven.place, b.walls.driven.place);
+  EXPECT_GT(a.walls.driven.place[0], 0.5);
+  EXPECT_EQ(whole.read_series("wall_lid_displacement").back(), a.walls.driven.place[0]);
+  EXPECT_GT(std::abs(whole.read_series("wall_work").back()), 10.0);
+  // 25 held; the last body has fallen through the floor that carries none.
+  EXPECT_EQ(std::count(a.bodies.held.begin(), a.bodies.held.end(), 1), 25);
+  const std::size_t last = a.bodies.size() - 1;
+  EXPECT_NEAR(a.bodies.position[last].z(), 1.0 - 0.5 * 1.95 * 9.0, 1e-9);
+  EXPECT_LE(whole.read_series("fragments").front(), 3.0);  // held ones are of none
+}
+
+TEST_F(Restraints, APileKeepsThem) {
+  run_to_end(std::string(kScene) + kRest + kFirst, "first.h5");
+  run_to_end(std::string("pile = 'first.h5'\n") + kRest + kSecond, "second.h5");
+  run_to_end(std::string(kScene) + kRest + kFirst + kSecond, "one.h5");
+  const State part = end_of("second.h5"), whole = end_of("one.h5");
+  ASSERT_EQ(part.bodies.size(), whole.bodies.size());
+  EXPECT_EQ(part.bodies.held, whole.bodies.held);
+  EXPECT_EQ(part.bodies.wall_set, whole.bodies.wall_set);
+  for (std::size_t b = 0; b < whole.bodies.size(); ++b)
+    EXPECT_LT((part.bodies.position[b] - whole.bodies.position[b]).norm(), 1e-9) << b;
+  EXPECT_NEAR(part.walls.driven.place[0], whole.walls.driven.place[0], 1e-9);
+  EXPECT_NEAR(part.walls.driven.speed[0], whole.walls.driven.speed[0], 1e-7);
+}
+
+TEST_F(Restraints, HeldBodiesCanBeCarved) {
+  const std::string carve =  // the ball that falls, from the mass centre of what moves
+      "[[stage]]\nname = 'cut'\n"
+      "carve = { region = { kind = 'ball', radius = 6, position = [15.7, 0, -2] }, outside = true }\n";
+  run_to_end(std::string(kScene) + kRest + kFirst + carve + kSecond, "cut.h5");
+  const State end = end_of("cut.h5");
+  EXPECT_EQ(end.bodies.size(), 27u);
+  EXPECT_EQ(end.bodies.held.size(), end.bodies.size());
+}
+
+TEST_F(Restraints, ScenesThatCannotBeAreRefused) {
+  const auto error_of = [&](const std::string& text) -> std::string {
+    try {
+      assemble(parse_scene(text, "s.toml", "."));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  const std::string one = "[[body]]\nshape = 'sphere'\ndensity = 1000\nheld = {}\n",
+                    two = one + "[[body]]\nshape = 'sphere'\ndensity = 1000\nposition = [9, 0, 0]\n",
+                    stage = "[[stage]]\nname = 'a'\nduration = 1\n";
+  EXPECT_EQ(error_of(two + stage), "no error");
+  EXPECT_EQ(error_of(one + stage), "all bodies are held; expected one that moves");
+  EXPECT_NE(error_of(two + stage + "spin.path = [[0, 100]]\n").find("a pile with held bodies cannot be spun"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace cairn
