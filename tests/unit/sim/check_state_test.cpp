@@ -30,7 +30,10 @@ struct Checkpoint {
     state.clock = {1, 30, 40, 500, 10.0, 0.5};
     state.stage_starts = {0.0, 10.0};
     state.k_n = 1e6;
-    state.walls.loads.resize(1);
+    state.walls.resize(1);
+    state.bodies.held = {0, 0, 1};
+    state.held = {
+        .motions = {{}}, .body = {2}, .position = {Vec3::Zero()}, .orientation = {Quat::Identity()}};
     for (gravity::Wrenches* w : {&state.gravity.from, &state.gravity.to, &state.gravity.evaluated}) {
       w->force.assign(3, Vec3::Ones());
       w->torque.assign(3, Vec3::Ones());
@@ -112,6 +115,11 @@ TEST(CheckState, RefusesWhatDoesNotFit) {
       {"gravity/due", [](auto& c) { c.state.gravity.due = 38; }},
       {"gravity/due", [](auto& c) { c.state.gravity.due = 29; }},
       {"gravity/omega", [](auto& c) { c.state.gravity.omega.x() = kNan; }},
+      {"as many as walls", [](auto& c) { c.state.walls.driven.speed.clear(); }},
+      {"driven/place", [](auto& c) { c.state.walls.driven.place[0] = kNan; }},
+      {"as many poses as held bodies", [](auto& c) { c.state.held.orientation.clear(); }},
+      {"held/position", [](auto& c) { c.state.held.position[0].z() = kInfinity; }},
+      {"expected unit quaternions", [](auto& c) { c.state.held.orientation[0].w() = 0.5; }},
       {"remnant",
        [](auto& c) {
          c.state.remnant = {0, 0, 0};
