@@ -36,11 +36,11 @@ struct Trial {
 
 /// On a copy of the state, no longer than the stage. At first gravity is evaluated more often than later.
 Trial try_stage(const Scene& scene, std::size_t stage, const Physics& physics,
-                const std::vector<ContactRecord>& contacts, State state) {
+                const std::vector<ContactRecord>& contacts, const Physics* former, State state) {
   constexpr double kWarmUp = 0.5, kTrial = 1.5;  // s
   Scratch scratch;
   place_spheres(state.bodies);
-  const double held = held_energy(scene, stage, physics, state, contacts), former = state.k_n;
+  const HeldBefore held = held_before(scene, stage, physics, state, contacts, former);
   begin_stage(physics, contacts, state, scratch);
   state.clock.dt = physics.contacts.dt;
   begin_control(physics, state);
@@ -49,7 +49,7 @@ Trial try_stage(const Scene& scene, std::size_t stage, const Physics& physics,
   const double gap = link_gap(scene, state.bodies);
   const Observation first = observe(physics, state, scratch, gap);
   trial.coordination = first.coordination;
-  trial.start = start_energy(physics, state, first, held, former);
+  trial.start = start_energy(physics, state, first, held);
   double start = wall_seconds();
   observe(physics, state, scratch, gap);
   trial.row = wall_seconds() - start;
@@ -84,6 +84,7 @@ void check(const Options& options) {
   load_tracks(scene);
   Setup setup = assemble(scene);
   std::vector<ContactRecord> contacts = std::move(setup.contacts);
+  std::optional<Physics> former = std::move(setup.laws);
   const std::vector<std::string> notes = std::move(setup.notes), lost = std::move(setup.warnings);
   const std::vector<std::string> wall_sets = setup.wall_sets;
   State state = first_state(std::move(setup));
@@ -116,6 +117,7 @@ void check(const Options& options) {
       warn(looks_wrong[k]);
       if (trial) continue;
       operate(scene, k, state, contacts);
+      former.reset();
       place_spheres(state.bodies);
       continue;
     }
@@ -126,7 +128,7 @@ void check(const Options& options) {
     const bool first = !trial;
     if (first) {
       set_walls(scene, k, all_walls, std::vector<double>(k + 1, 0.0), state.walls);
-      trial = try_stage(scene, k, physics, contacts, state);
+      trial = try_stage(scene, k, physics, contacts, former ? &*former : nullptr, state);
     }
     seconds += static_cast<double>(physics.steps) *
                (trial->step + trial->row * std::min(1.0, physics.contacts.dt / physics.series_interval));
@@ -139,6 +141,9 @@ void check(const Options& options) {
           "  contact    {:.4g} s at shortest, the {}; softer contacts, a heavier smallest body or fewer "
           "steps_per_contact lengthen the step\n",
           physics.k_n, stiffness.why, physics.contact_time, physics.shortest_contact);
+    if (physics.stiffest > physics.softest)
+      fmt::print("  pairs      {:.4g} to {:.4g} N/m, by their materials\n", physics.softest,
+                 physics.stiffest);
     fmt::print("  time step  {:.4g} s{}, {} steps for {:.6g} s\n", physics.contacts.dt,
                physics.can_touch
                    ? fmt::format(" (longest safe {:.4g} s)", kLongestSafeStep * physics.contact_time)
@@ -148,12 +153,14 @@ void check(const Options& options) {
     if (first) warn(trial->warnings);
     if (first && trial->start.counts())
       fmt::print("  {}    {}\n", physics.relax ? "energy " : "warning", describe(trial->start, bodies));
-    if (!first && held > 0.0 && k_n > 2.0 * held && physics.gravity != GravityMethod::none && !physics.relax)
+    const double stiffer = former && !first ? stiffening(former->contacts, physics.contacts) : 1.0;
+    if (stiffer > 2.0 && physics.gravity != GravityMethod::none && !physics.relax)
       fmt::print(
           "  warning    contacts become {:.3g} times stiffer than they are and push the pile apart at "
           "first; a stage with relax = {{}} takes that out\n",
-          k_n / held);
+          stiffer);
     held = k_n;
+    if (physics.can_touch) former = physics;
   }
   if (!trial) return;  // operations only
   // At the peak, with six contacts a sphere: while a checkpoint is written (see tests/BENCHMARKS.md).

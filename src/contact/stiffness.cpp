@@ -209,22 +209,32 @@ double greatest_pull(const Bodies& bodies, const ContactDemand& demand) {
   return greatest;
 }
 
-ShortestContact shortest_contact(const Bodies& bodies, double k_n, double shape_factor, bool rolling,
-                                 bool walls, double lightest_wall) {
+ShortestContact shortest_contact(const Bodies& bodies, const ContactLaws& laws) {
   const auto& radii = bodies.spheres.radius;
   std::map<std::uint32_t, Mobility> mobility;  // M times the mobility does not depend on size or density
-  Greatest normal, sliding, turning;
+  struct OfMaterial {
+    Greatest normal, sliding, turning;
+    std::size_t bodies = 0;  // not held
+    std::optional<std::uint32_t> held;
+  };
+  std::vector<OfMaterial> worst(laws.materials);
+  std::size_t free = 0;
   for (std::uint32_t b = 0; b < bodies.size(); ++b) {
-    if (is_held(bodies, b)) continue;
+    OfMaterial& material = worst[laws.material[b]];
+    if (is_held(bodies, b)) {
+      material.held = b;
+      continue;
+    }
+    ++free;
     auto [it, fresh] = mobility.try_emplace(bodies.shape[b]);
     if (fresh) it->second = greatest_mobility(bodies, b);
-    normal.add(b, it->second.normal / bodies.mass[b]);
-    sliding.add(b, it->second.tangential / bodies.mass[b]);
+    material.normal.add(b, it->second.normal / bodies.mass[b]);
+    material.sliding.add(b, it->second.tangential / bodies.mass[b]);
     const double radius = largest_radius(bodies, b);
-    turning.add(b, radius * radius / bodies.inertia[b][0]);
+    material.turning.add(b, radius * radius / bodies.inertia[b][0]);
+    ++material.bodies;
   }
-  // Squared frequencies of the two worst bodies; a body alone meets one of its kind, or a wall that asks for
-  // less.
+  // Squared frequencies of the two worst bodies of the materials; what is held adds no mobility.
   double fastest = 0.0;
   ShortestContact out;
   const auto take = [&](ShortestContact::Mode mode, double square, const Encounter& encounter) {
@@ -232,20 +242,46 @@ ShortestContact shortest_contact(const Bodies& bodies, double k_n, double shape_
     fastest = square;
     out = {kPi / std::sqrt(square), mode, encounter};
   };
-  take(ShortestContact::Mode::normal, k_n * (normal.first() + normal.next()), normal.of_both());
-  take(ShortestContact::Mode::sliding, kTangentialRatio * k_n * (sliding.first() + sliding.next()),
-       sliding.of_both());
-  take(ShortestContact::Mode::normal, k_n * (normal.first() + 1.0 / lightest_wall), {normal.body(), {}});
-  take(ShortestContact::Mode::sliding, kTangentialRatio * k_n * (sliding.first() + 1.0 / lightest_wall),
-       {sliding.body(), {}});
-  if (rolling) {
-    // R^2 / I summed over both, R = r / (1 + ratio of the radii): most when the worse one is the smaller.
-    const auto [least, most] = std::minmax_element(radii.begin(), radii.end());
-    const double ratio = walls ? 0.0 : *least / *most;
-    const double sum = (turning.first() + ratio * ratio * turning.next()) / ((1.0 + ratio) * (1.0 + ratio));
-    take(ShortestContact::Mode::rolling,
-         std::max(1.0, 2.0 * kTangentialRatio) * k_n * shape_factor * shape_factor * sum,
-         walls ? Encounter{turning.body(), {}} : turning.of_both());
+  const auto take_all = [&](const PairLaw& law, double normal, double sliding, double turning,
+                            const auto& who) {
+    using Mode = ShortestContact::Mode;
+    take(Mode::normal, law.k_n * normal, who(&OfMaterial::normal));
+    take(Mode::sliding, law.k_s * sliding, who(&OfMaterial::sliding));
+    if (laws.rolling)
+      take(Mode::rolling, std::max(law.k_n, 2.0 * law.k_s) * law.beta * law.beta * turning,
+           who(&OfMaterial::turning));
+  };
+  // R^2 / I summed over both, R = r / (1 + ratio of the radii): most when the worse one is the smaller.
+  const auto [least, most] = std::minmax_element(radii.begin(), radii.end());
+  const double ratio = *least / *most;
+  for (std::size_t m = 0; m < worst.size(); ++m) {
+    const OfMaterial& a = worst[m];
+    if (a.bodies == 0) continue;
+    for (std::size_t w = 0; w < laws.walls.size() / laws.materials; ++w)
+      take_all(laws.walls[w * laws.materials + m], a.normal.first() + 1.0 / laws.lightest_wall,
+               a.sliding.first() + 1.0 / laws.lightest_wall, a.turning.first(), [&](auto of) {
+                 return Encounter{(a.*of).body(), {}};
+               });
+    for (std::size_t n = 0; n < worst.size(); ++n)
+      if (worst[n].held)
+        take_all(laws.bodies[m * laws.materials + n], a.normal.first(), a.sliding.first(),
+                 a.turning.first() / ((1.0 + ratio) * (1.0 + ratio)), [&](auto of) {
+                   return Encounter{(a.*of).body(), worst[n].held};
+                 });
+    for (std::size_t n = m; n < worst.size(); ++n) {
+      const OfMaterial& b = worst[n];
+      const bool alone = n == m && a.bodies == 1 && free > 1;  // it meets only those of others
+      if (b.bodies == 0 || alone) continue;
+      const auto second = [&](auto of) { return n == m ? (a.*of).next() : (b.*of).first(); };
+      const double turning[] = {a.turning.first(), second(&OfMaterial::turning)};
+      take_all(laws.bodies[m * laws.materials + n], a.normal.first() + second(&OfMaterial::normal),
+               a.sliding.first() + second(&OfMaterial::sliding),
+               (std::max(turning[0], turning[1]) + ratio * ratio * std::min(turning[0], turning[1])) /
+                   ((1.0 + ratio) * (1.0 + ratio)),
+               [&](auto of) {
+                 return n == m ? (a.*of).of_both() : Encounter{(a.*of).body(), (b.*of).body()};
+               });
+    }
   }
   return out;
 }

@@ -3,8 +3,10 @@
 
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "body/bodies.h"
+#include "contact/law/law.h"
 #include "contact/law/material.h"
 
 namespace cairn {
@@ -56,12 +58,21 @@ struct ShortestContact {
   Encounter encounter;
 };
 
+/// The laws between bodies, and between bodies and walls, which give way when they have a mass.
+struct ContactLaws {
+  std::size_t materials = 1;
+  std::span<const std::uint16_t> material;                         ///< of each body
+  std::span<const PairLaw> bodies;                                 ///< materials x materials
+  std::span<const PairLaw> walls;                                  ///< walls x materials
+  bool rolling = false;                                            ///< rolling or twisting is resisted
+  double lightest_wall = std::numeric_limits<double>::infinity();  ///< kg
+};
+
 /// That of any two of the bodies, or of a body and a wall, in the worst direction; held bodies are walls to
-/// it, and walls give way when they have a mass, `lightest_wall` (kg) at least. No mode of a contact is
+/// it. No mode of a contact is
 /// faster than its time over pi. Exact for two equal bodies in the worst position, an upper bound on the
 /// frequency otherwise.
-ShortestContact shortest_contact(const Bodies& bodies, double k_n, double shape_factor, bool rolling,
-                                 bool walls, double lightest_wall = std::numeric_limits<double>::infinity());
+ShortestContact shortest_contact(const Bodies& bodies, const ContactLaws& laws);
 
 /// A pile's coordination adds stiffnesses on one light body; steps longer than this part of the shortest
 /// contact time are refused.

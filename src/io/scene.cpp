@@ -240,6 +240,7 @@ class Checks {
       throw error(given("contact.overlap_limit") ? "contact.overlap_limit" : "contact.max_overlap",
                   "expected max_overlap <= overlap_limit, found {} and {}", show(contact.max_overlap),
                   show(contact.overlap_limit));
+    if (given("contact.stiffness")) check_stiffness_counts("contact.stiffness", {});
     for (std::size_t i = 0; i < scene_.stages.size(); ++i)
       if (!scene_.stages[i].operates() && contacts_of(scene_, i)) return;
     // None of the stages has contacts.
@@ -250,9 +251,22 @@ class Checks {
     if (!scene_.walls.empty()) throw error("wall[0]", "has no effect, because no stage has contacts");
   }
 
+  /// That some material takes the stiffness of the key; of walls and of bodies, which may all be of
+  /// `material`.
+  void check_stiffness_counts(const std::string& key, const std::string& material) const {
+    for (const Material& m : scene_.materials) {
+      const bool on_walls = std::any_of(scene_.walls.begin(), scene_.walls.end(),
+                                        [&](const WallSpec& wall) { return wall.material == m.name; });
+      if (!m.stiffness && (material.empty() || m.name == material || on_walls)) return;
+    }
+    throw error(key, "has no effect, because {} a stiffness of {} own",
+                material.empty() ? "every material has" : "the materials of the stage have",
+                material.empty() ? "its" : "their");
+  }
+
   /// Keys of a stage that only contacts give a meaning.
   void check_without_contacts(const std::string& key) const {
-    for (const char* name : {".material", ".impact_speed", ".stiffness"})
+    for (const char* name : {".material", ".impact_speed", ".stiffness", ".relax"})
       if (given(key + name)) throw error(key + name, "has no effect in a stage without contacts");
   }
 
@@ -346,6 +360,7 @@ class Checks {
       if (stage.scale && !stage.scale->volume && !carved)
         throw error(key + ".scale", "no region has been carved whose volume is known; expected 'volume'");
       if (!stage.material.empty()) check_reference(stage.material, key + ".material");
+      if (stage.stiffness) check_stiffness_counts(key + ".stiffness", stage.material);
       if (stage.spin) check_path(stage.spin->path, key + ".spin.path");
       check_strain(stage, key);
       check_relax(stage, key);

@@ -212,6 +212,12 @@ const Keys<Material> kMaterialKeys = {
     number("shape_factor", &Material::shape_factor, "", within(0, 10),
            "beta, radius of the contact area over the effective radius"),
     number("cohesion", &Material::cohesion, "Pa", within(0, 1e15), "c, interparticle tensile strength"),
+    number(
+        "stiffness", &Material::stiffness, "N/m", kStiffness,
+        "k_N of a contact of two such surfaces, whatever the stage's; absent: that of the stage. The springs "
+        "of a pair act in series, k = 2 / (1/k_a + 1/k_b), also those of a wall; k_S likewise"),
+    number("stiffness_ratio", &Material::stiffness_ratio, "", above(0, 10),
+           "k_S / k_N of a contact of two such surfaces; the twisting stiffness follows, 2 k_S (beta R)^2"),
 };
 
 const Keys<ContactSpec> kContactKeys = {
@@ -220,7 +226,7 @@ const Keys<ContactSpec> kContactKeys = {
          "(one "
          "body, no walls), no stiffness is needed"),
     number("stiffness", &ContactSpec::stiffness, "N/m", kStiffness,
-           "normal k_N; chosen by the program when absent"),
+           "normal k_N of materials without a stiffness of their own; chosen by the program when absent"),
     number(
         "time_step", &ContactSpec::time_step, "s", kDuration,
         "when absent a part of the shortest contact; without contacts a hundredth of the shortest time in "
@@ -380,7 +386,8 @@ const Keys<StageSpec> kStageKeys = {
     number("impact_speed", &StageSpec::impact_speed, "m/s", within(0, 3e8),
            "for the automatic stiffness; when absent the pile's escape speed, or a settled pile's contacts "
            "stay as they are"),
-    number("stiffness", &StageSpec::stiffness, "N/m", kStiffness, "replaces contact.stiffness"),
+    number("stiffness", &StageSpec::stiffness, "N/m", kStiffness,
+           "replaces contact.stiffness, for materials without a stiffness of their own"),
     number("time_step", &StageSpec::time_step, "s", kDuration, "replaces contact.time_step"),
     table("spin", &StageSpec::spin, kSpinKeys,
           "Prescribed spin of the pile about z [Zhang et al. 2021, section 2.3]."),
@@ -444,7 +451,8 @@ const Keys<Scene> kSceneKeys = {
     tables("body", &Scene::bodies, kBodyKeys, "One body put by hand."),
     tables("wall", &Scene::walls, kWallKeys, "A wall, fixed or moved as prescribed, or by a load."),
     tables("material", &Scene::materials, kMaterialKeys,
-           "Surface of bodies and walls. A pair takes geometric means, of beta the arithmetic mean."),
+           "Surface of bodies and walls. A pair takes geometric means, of beta the arithmetic mean, of "
+           "stiffnesses those of springs in series."),
     table("contact", &Scene::contact, kContactKeys, "The contact law and its time step."),
     table("gravity", &Scene::gravity, kGravityKeys, "Self-gravity and uniform field."),
     tables("perturber", &Scene::perturbers, kPerturberKeys,

@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "sim/make_walls.h"
-#include "sim/physics.h"
+#include "sim/springs.h"
 
 namespace cairn {
 
@@ -82,11 +82,11 @@ std::size_t first_stage(const Scene& scene) {
   return k;
 }
 
-/// Energy (J) that contacts hold with these walls, by the law of the stage.
-double energy_of(const Scene& scene, std::size_t stage, const State& state, Walls walls,
-                 std::vector<WallContact> contacts) {
-  const Physics physics = resolve_physics(scene, stage, state.bodies, state.k_n);
+/// Energy (J) that contacts, as leave_stiffness leaves them, hold with these walls, by the laws of the stage.
+double energy_of(const Physics& physics, const State& state, Walls walls, std::vector<WallContact> contacts) {
   walls.contacts = std::move(contacts);
+  std::vector<ContactRecord> none;
+  enter_stiffness(physics, state.bodies, state.k_n, none, walls.contacts);
   walls.set_laws(physics.materials, physics.wall_materials, physics.k_n);
   return walls.stored_energy(state.bodies, physics.contacts, state.clock.time());
 }
@@ -94,11 +94,9 @@ double energy_of(const Scene& scene, std::size_t stage, const State& state, Wall
 }  // namespace
 
 bool same_values(const Material& a, const Material& b) {
-  const auto values = [](const Material& m) {
-    return std::tuple(m.restitution_normal, m.restitution_tangential, m.friction, m.friction_rolling,
-                      m.friction_twisting, m.shape_factor, m.cohesion);
-  };
-  return values(a) == values(b);
+  Material renamed = a;
+  renamed.name = b.name;
+  return renamed == b;
 }
 
 WallHeritage match_walls(const FormerRun& former, const Scene& scene, const std::vector<Wall>& walls,
@@ -121,6 +119,9 @@ WallHeritage match_walls(const FormerRun& former, const Scene& scene, const std:
   ending.driven = state.walls.driven;
   ending.check_contacts(state.bodies.spheres.size());
   set_walls(former.scene, last, std::vector<Wall>(ending.walls), state.stage_starts, ending);
+  const Physics laws = resolve_laws(former.scene, last, state.bodies, state.k_n);
+  std::vector<ContactRecord> none;
+  if (state.clock.steps > 0) leave_stiffness(laws, state.bodies, none, ending.contacts);
 
   // For each wall at the end of that run, the one that it is in the scene.
   std::vector<std::optional<std::uint32_t>> same(ending.walls.size());
@@ -178,7 +179,7 @@ WallHeritage match_walls(const FormerRun& former, const Scene& scene, const std:
           "wall {} of {} is not here at its place, of its kind and of its material: its {} contacts "
           "are dropped with the {:.3g} J in their springs",
           wall_name(former.scene, ending.number[w]), former.name, lost[w].size(),
-          energy_of(former.scene, last, state, ending, lost[w])));
+          energy_of(laws, state, ending, lost[w])));
   return out;
 }
 

@@ -11,7 +11,8 @@ namespace cairn {
 
 /// Springs, and how far moving walls have come.
 struct WallHeritage {
-  std::vector<WallContact> contacts;  ///< by the walls' numbers in the scene, in the order of Walls::contacts
+  std::vector<WallContact> contacts;  ///< by the walls' numbers in the scene, in the order of
+                                      ///< Walls::contacts, as leave_stiffness leaves them
   std::vector<double> lead;           ///< s, of each wall of the scene, that it has moved before, see State
   DrivenWalls driven;                 ///< of each wall of the scene
   std::vector<std::string> notes;     ///< what goes on, in a line each
@@ -23,7 +24,7 @@ struct FormerRun {
   std::string name;  ///< of its file
   Scene scene;
   const State& state;
-  std::vector<WallContact> contacts;  ///< by the walls' numbers in its scene
+  std::vector<WallContact> contacts;  ///< by the walls' numbers in its scene, as its checkpoint has them
 };
 
 /// Matches the walls of the first stage of `scene` with those of a former run; its bodies are `shift` away in

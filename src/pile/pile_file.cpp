@@ -10,14 +10,18 @@
 #include "sim/fields.h"
 #include "sim/restraints.h"
 #include "sim/run.h"
+#include "sim/springs.h"
 
 namespace cairn {
 
 namespace {
 
 /// What a damaged or edited file could get wrong; errors lack the file's name.
-void check_pile(const State& state, std::size_t materials, const ContactColumns& contacts) {
-  check_motion(state.bodies, materials);
+void check_pile(const State& state, std::size_t materials, const std::optional<Scene>& former,
+                const ContactColumns& contacts) {
+  check_motion(state.bodies, former ? std::min(materials, former->materials.size()) : materials);
+  if (former && state.clock.stage >= former->stages.size())
+    throw InputError("checkpoint/clock/stage: expected one of the scene's");
   check_contacts(contacts, state.bodies);
   if (!(state.box.edge.minCoeff() >= 0.0 && state.k_n >= 0.0 && state.region_volume >= 0.0))
     throw InputError("checkpoint: box, stiffness, region_volume: expected 0 or more");
@@ -66,6 +70,19 @@ std::vector<std::uint16_t> match_materials(const std::vector<std::string>& names
   return numbers;
 }
 
+/// The laws of the last stage that took time, whose contacts then are as leave_stiffness leaves them; none:
+/// there was none.
+std::optional<Physics> leave_pile(const Scene& scene, const State& state,
+                                  std::vector<ContactRecord>& contacts) {
+  std::size_t last = state.clock.stage;
+  while (last > 0 && scene.stages[last].operates()) --last;
+  if (scene.stages[last].operates()) return {};
+  Physics laws = resolve_laws(scene, last, state.bodies, state.k_n);
+  std::vector<WallContact> none;
+  if (state.clock.steps > 0) leave_stiffness(laws, state.bodies, contacts, none);
+  return laws;
+}
+
 /// Which of the checkpoint's fields make a pile, whatever version of the program has made it, and how.
 FieldTable pile_fields(const ResultFile& file, FieldTable fields) {
   const auto there = [&](const std::string& name) { return file.has_group("checkpoint/" + name); };
@@ -108,9 +125,11 @@ Setup read_pile(const std::filesystem::path& path, const Scene& scene, const std
       throw InputError("{}: {}", path.string(), error.what());
     }
   };
-  naming_file([&] { check_pile(state, names.size(), contacts); });
+  naming_file([&] { check_pile(state, names.size(), former, contacts); });
   place_spheres(state.bodies);
+  setup.contacts = contacts.records();
   if (former) {
+    setup.laws = leave_pile(*former, state, setup.contacts);
     naming_file([&] {
       WallHeritage heritage = match_walls(
           {path.string(), *former, state, touching.contacts()}, scene, walls,
@@ -140,7 +159,6 @@ Setup read_pile(const std::filesystem::path& path, const Scene& scene, const std
           setup.wall_contacts.size(), touching.sphere.size()));
   setup.bodies = std::move(state.bodies);
   setup.box.edge = state.box.edge;
-  setup.contacts = contacts.records();
   setup.k_n = state.k_n;
   for (WallMotion& motion : setup.held.motions) motion.since -= state.clock.time();  // they go on
   setup.region_volume = state.region_volume;

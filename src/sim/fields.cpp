@@ -259,7 +259,7 @@ FieldTable checkpoint_fields(State& s, const FieldTable& contacts, WallColumns& 
        {"driven/place", "m", "of each wall of the scene, along the axis of its load", &s.walls.driven.place},
        {"driven/speed", "m/s", "the same", &s.walls.driven.speed},
        {"wall_loads/since", "s", "the last row of the series", &s.walls.loads.since},
-       {"stiffness", "N/m", "normal stiffness of the stage", &s.k_n}});
+       {"stiffness", "N/m", "normal stiffness of the stage, of materials without their own", &s.k_n}});
   add(contacts);
   add(walls.table("walls/"));
   return table;

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
+#include <set>
 
 #include "contact/stiffness.h"
 #include "core/error.h"
@@ -47,6 +49,21 @@ std::vector<Material> wall_materials(const Scene& scene, std::size_t stage) {
   return out;
 }
 
+/// The least stiffness (N/m) of the materials that bodies and walls have in the stage; none: one of these has
+/// no stiffness of its own.
+std::optional<double> softest_of_own(const Scene& scene, std::size_t index, const Bodies& bodies) {
+  const StageSpec& stage = scene.stages[index];
+  std::vector<Material> touching = wall_materials(scene, index);
+  if (stage.material.empty())
+    for (const std::uint16_t m : std::set(bodies.material.begin(), bodies.material.end()))
+      touching.push_back(scene.materials[m]);
+  else
+    touching.push_back(named(scene, stage.material));
+  return std::min_element(touching.begin(), touching.end(),
+                          [](const Material& a, const Material& b) { return a.stiffness < b.stiffness; })
+      ->stiffness;
+}
+
 /// What cohesion and walls ask of the contacts.
 ContactDemand demand_of(const std::vector<Material>& materials, const std::vector<Material>& walls) {
   ContactDemand demand{.walls = !walls.empty()};
@@ -70,13 +87,27 @@ double lightest_wall(const Scene& scene, std::size_t stage) {
 }
 
 /// Cohesion alone must not press two spheres, or a sphere and a wall, together beyond the limit.
-void check_cohesion(const Physics& p, const std::string& stage, const Bodies& bodies) {
-  const double pull = greatest_pull(bodies, demand_of(p.materials, p.wall_materials));
-  if (pull <= p.overlap_limit * p.k_n) return;
+void check_cohesion(const Physics& p, const std::vector<PairLaw>& wall_laws, const std::string& stage,
+                    const Bodies& bodies) {
+  ContactDemand demand{.walls = !wall_laws.empty()};  // over the stiffness of the pair
+  for (const PairLaw& law : p.contacts.laws)
+    demand.cohesion = std::max(demand.cohesion, law.cohesion / law.k_n);
+  for (const PairLaw& law : wall_laws)
+    demand.wall_cohesion = std::max(demand.wall_cohesion, law.cohesion / law.k_n);
+  const double overlap = greatest_pull(bodies, demand);  // over the smaller radius
+  if (overlap <= p.overlap_limit) return;
+  const auto own = [](const Material& m) { return m.stiffness.has_value(); };
+  const double more = overlap / p.overlap_limit;
   throw InputError(
-      "stage '{}': cohesion presses spheres together by {:.3g} of their radius, overlap_limit is {:g}; a "
-      "contact.stiffness of at least {:.3g} N/m is needed",
-      stage, pull / p.k_n, p.overlap_limit, pull / p.overlap_limit);
+      "stage '{}': cohesion presses spheres together by {:.3g} of their radius, overlap_limit is {:g}; {} is "
+      "needed",
+      stage, overlap, p.overlap_limit,
+      std::any_of(p.materials.begin(), p.materials.end(), own) ||
+              std::any_of(p.wall_materials.begin(), p.wall_materials.end(), own)
+          ? fmt::format("a stiffness of the contacts, contact.stiffness or material.stiffness, of at least "
+                        "{:.3g} times what they have",
+                        more)
+          : fmt::format("a contact.stiffness of at least {:.3g} N/m", p.k_n * more));
 }
 
 /// "body 3 (size 2 m)"
@@ -145,29 +176,35 @@ double free_step(const Physics& p, const StageSpec& stage, const Bodies& bodies)
   return std::min(kPart * shortest, kLongest * stage.duration);
 }
 
-/// The laws of the stage's materials at p.k_n, and the time (s) of the shortest contact.
+/// Finds the softest and the stiffest contacts of the bodies with each other and with walls.
+void find_stiffnesses(const std::vector<PairLaw>& walls, Physics& p) {
+  const SweepSettings& contacts = p.contacts;
+  const std::set<std::uint16_t> kinds(contacts.material.begin(), contacts.material.end());
+  p.softest = std::numeric_limits<double>::infinity();
+  const auto take = [&](const PairLaw& law) {
+    p.softest = std::min(p.softest, law.k_n);
+    p.stiffest = std::max(p.stiffest, law.k_n);
+  };
+  for (const std::uint16_t a : kinds) {
+    for (const std::uint16_t b : kinds) take(contacts.laws[a * contacts.materials + b]);
+    for (std::size_t w = a; w < walls.size(); w += contacts.materials) take(walls[w]);
+  }
+}
+
+/// Looks at the contacts of the laws, and finds the shortest that there can be.
 void resolve_contacts(const Scene& scene, std::size_t index, const Bodies& bodies, Physics& p) {
-  const StageSpec& stage = scene.stages[index];
-  const ContactSpec& contact = scene.contact;
-  p.materials = body_materials(scene, stage);
-  p.wall_materials = wall_materials(scene, index);
-  p.contacts.material = bodies.material;
-  if (p.materials.size() == 1)
-    std::fill(p.contacts.material.begin(), p.contacts.material.end(), std::uint16_t{0});
-  p.contacts.materials = p.materials.size();
-  for (const Material& a : p.materials)
-    for (const Material& b : p.materials) p.contacts.laws.push_back(make_pair_law(a, b, p.k_n));
-  std::vector<Material> touching = p.materials;
-  touching.insert(touching.end(), p.wall_materials.begin(), p.wall_materials.end());
-  p.contacts.features = required_features(touching, contact.rolling_slip == RollingSlip::zhang2017);
-  p.contacts.sphere_damping = contact.damping_mass == DampingMass::spheres;
-
-  check_cohesion(p, stage.name, bodies);
-
-  double shape_factor = 0.0;
-  for (const Material& m : touching) shape_factor = std::max(shape_factor, m.shape_factor);
-  const ShortestContact shortest = shortest_contact(bodies, p.k_n, shape_factor, p.contacts.features.rolling,
-                                                    !p.wall_materials.empty(), lightest_wall(scene, index));
+  std::vector<PairLaw> walls;
+  for (const Material& wall : p.wall_materials)
+    for (const Material& material : p.materials) walls.push_back(make_pair_law(material, wall, p.k_n));
+  check_cohesion(p, walls, scene.stages[index].name, bodies);
+  find_stiffnesses(walls, p);
+  const SweepSettings& contacts = p.contacts;
+  const ShortestContact shortest = shortest_contact(bodies, {.materials = contacts.materials,
+                                                             .material = contacts.material,
+                                                             .bodies = contacts.laws,
+                                                             .walls = walls,
+                                                             .rolling = contacts.features.rolling,
+                                                             .lightest_wall = lightest_wall(scene, index)});
   p.contact_time = shortest.time;
   p.shortest_contact = explain(shortest, bodies);
 }
@@ -208,12 +245,50 @@ bool can_touch(const Scene& scene, std::size_t index, const Bodies& bodies) {
   return bodies.size() > 1 || scene.box;
 }
 
+Physics resolve_laws(const Scene& scene, std::size_t index, const Bodies& bodies, double k_n) {
+  const ContactSpec& contact = scene.contact;
+  Physics p;
+  p.can_touch = can_touch(scene, index, bodies);
+  p.k_n = k_n;
+  if (!p.can_touch) return p;
+  p.materials = body_materials(scene, scene.stages[index]);
+  p.wall_materials = wall_materials(scene, index);
+  p.contacts.material = bodies.material;
+  if (p.materials.size() == 1)
+    std::fill(p.contacts.material.begin(), p.contacts.material.end(), std::uint16_t{0});
+  p.contacts.materials = p.materials.size();
+  for (const Material& a : p.materials)
+    for (const Material& b : p.materials) p.contacts.laws.push_back(make_pair_law(a, b, p.k_n));
+  std::vector<Material> touching = p.materials;
+  touching.insert(touching.end(), p.wall_materials.begin(), p.wall_materials.end());
+  p.contacts.features = required_features(touching, contact.rolling_slip == RollingSlip::zhang2017);
+  p.contacts.sphere_damping = contact.damping_mass == DampingMass::spheres;
+  return p;
+}
+
+double stiffening(const SweepSettings& before, const SweepSettings& now) {
+  if (before.laws.empty() || now.laws.empty()) return 1.0;
+  std::map<std::pair<std::uint16_t, std::uint16_t>, std::size_t> kinds;  // materials before and now: bodies
+  const std::size_t bodies = std::min(before.material.size(), now.material.size());
+  for (std::size_t b = 0; b < bodies; ++b) ++kinds[{before.material[b], now.material[b]}];
+  double most = 0.0;
+  for (const auto& [a, count] : kinds)
+    for (const auto& [b, unused] : kinds) {
+      if (a == b && count == 1 && bodies > 1) continue;  // it meets only others
+      most = std::max(most, now.laws[a.second * now.materials + b.second].k_n /
+                                before.laws[a.first * before.materials + b.first].k_n);
+    }
+  return most;
+}
+
 Stiffness resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies,
                             const std::vector<Wall>& walls, double held) {
   const StageSpec& stage = scene.stages[index];
   if (!can_touch(scene, index, bodies)) return {held, "that of the contacts so far"};
   if (stage.stiffness) return {*stage.stiffness, "given by the stage"};
   if (scene.contact.stiffness) return {*scene.contact.stiffness, "given by [contact]"};
+  if (const auto own = softest_of_own(scene, index, bodies))
+    return {*own, "the softest material's; all have their own"};
   const bool quiet = walls.empty() && field_of(scene, index) == Vec3::Zero() &&
                      closing_speed(bodies) <= 2.0 * escape_speed(bodies);  // as in a pile that turns
   if (held > 0.0 && quiet && !stage.impact_speed) return {held, "that of the contacts so far"};
@@ -234,10 +309,8 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
                         double held) {
   const StageSpec& stage = scene.stages[index];
   const ContactSpec& contact = scene.contact;
-  Physics p;
+  Physics p = resolve_laws(scene, index, bodies, k_n);
 
-  p.can_touch = can_touch(scene, index, bodies);
-  p.k_n = k_n;
   p.overlap_limit = contact.overlap_limit;
   if (p.can_touch) resolve_contacts(scene, index, bodies, p);
   p.gravity = gravity_of(scene, index);

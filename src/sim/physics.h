@@ -17,7 +17,8 @@ struct Physics {
   SweepSettings contacts;                ///< with the time step of the stage
   std::vector<Material> materials;       ///< of the bodies; settings.material indexes these
   std::vector<Material> wall_materials;  ///< of each wall
-  double k_n = 0.0;                      ///< N/m
+  double k_n = 0.0;                      ///< N/m, of materials without a stiffness of their own
+  double softest = 0.0, stiffest = 0.0;  ///< N/m, k_N of the contacts that these bodies can have
   double contact_time = 0.0;             ///< s, shortest any contact can last; 0 where nothing can touch
   std::string shortest_contact;          ///< which that is, in words
   double overlap_limit = 0.1;
@@ -50,9 +51,16 @@ struct Physics {
 /// Whether anything can touch in stage `index`: it has contacts, and two bodies, a wall or images in a box.
 bool can_touch(const Scene& scene, std::size_t index, const Bodies& bodies);
 
+/// Resolves the contacts of stage `index` at stiffness k_n (N/m), and nothing else: materials, laws, models.
+Physics resolve_laws(const Scene& scene, std::size_t index, const Bodies& bodies, double k_n);
+
+/// How many times as stiff contacts of the bodies are under the laws `now` as under those `before`, where
+/// that is most; 1 where either has none. Of bodies that have come since nothing is said.
+double stiffening(const SweepSettings& before, const SweepSettings& now);
+
 /// A normal stiffness and where it comes from.
 struct Stiffness {
-  double k_n = 0.0;  ///< N/m
+  double k_n = 0.0;  ///< N/m, of materials without their own
   std::string why;   ///< in words; of a chosen one the bodies that ask for it, and what would change it
 };
 

@@ -71,7 +71,7 @@ void begin_relaxation(const Physics& physics, State& state, Scratch& scratch) {
     double mass = 0.0;
     for (const std::uint32_t b : pile) mass += state.bodies.mass[b];
     const double steps =
-        1.0 / (relaxation_rate(*physics.relax, physics.k_n, mass, pile.size()) * physics.contacts.dt);
+        1.0 / (relaxation_rate(*physics.relax, physics.softest, mass, pile.size()) * physics.contacts.dt);
     relaxation.look = std::max(relaxation.look, static_cast<std::uint64_t>(std::min(steps, 1e15)));
   }
 }
@@ -81,8 +81,8 @@ void relax(const Physics& physics, State& state, Scratch& scratch) {
   Bodies& bodies = state.bodies;
   for (const std::vector<std::uint32_t>& pile : scratch.piles) {
     const InnerMotion inner(state, pile);
-    const double left = std::exp(-relaxation_rate(*physics.relax, physics.k_n, inner.mass(), pile.size()) *
-                                 physics.contacts.dt);
+    const double left = std::exp(
+        -relaxation_rate(*physics.relax, physics.softest, inner.mass(), pile.size()) * physics.contacts.dt);
     const double energy = parallel_sum(pile.size(), 0.0, [&](std::size_t k) {
       const std::uint32_t b = pile[k];
       const Vec3 velocity = inner.velocity(b), spin = inner.spin(b);

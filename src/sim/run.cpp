@@ -17,6 +17,7 @@
 #include "sim/relax.h"
 #include "sim/restraints.h"
 #include "sim/spin_control.h"
+#include "sim/springs.h"
 #include "sim/wall_columns.h"
 #include "sim/warnings.h"
 
@@ -66,6 +67,7 @@ Run::Run(Scene scene, Setup setup, ResultFile results, Operation operation)
   write_restraints(results_, setup.held, setup.wall_sets);
   const std::vector<std::string> wall_sets = setup.wall_sets;
   inherited_ = std::move(setup.contacts);
+  if (!scene_.stages[0].operates()) pile_laws_ = std::move(setup.laws);
   state_ = first_state(std::move(setup));
   prepare_bodies();
   walls_ = make_walls(scene_);
@@ -227,33 +229,23 @@ StageReport Run::end_stage(std::string what, double seconds) {
   return report;
 }
 
-/// The stage before this one; none where an operation has changed the bodies since.
-std::optional<FormerStage> Run::former_stage(double k_n) const {
-  if (state_.clock.stage == 0 || scene_.stages[state_.clock.stage - 1].operates()) return {};
-  const std::size_t stage = state_.clock.stage - 1;
-  const Physics physics = resolve_physics(scene_, stage, state_.bodies, k_n);
-  FormerStage former{physics.contacts, {}};
-  set_walls(scene_, stage, walls_, state_.stage_starts, former.walls);
-  former.walls.set_laws(physics.materials, physics.wall_materials, k_n);
-  return former;
-}
-
 void Run::start_stage() {
   Clock& clock = state_.clock;
   set_walls(scene_, clock.stage, walls_, state_.stage_starts, state_.walls);
-  const double former_k = state_.k_n;
   const Stiffness chosen =
-      resolve_stiffness(scene_, clock.stage, state_.bodies, state_.walls.walls, former_k);
+      resolve_stiffness(scene_, clock.stage, state_.bodies, state_.walls.walls, state_.k_n);
   physics_ = resolve_physics(scene_, clock.stage, state_.bodies, chosen.k_n);
-  const double held = held_energy(scene_, clock.stage, physics_, state_, inherited_);
-  const std::optional<FormerStage> former = former_stage(former_k);
+  const std::optional<FormerStage> former = former_stage(scene_, clock.stage, state_, walls_);
+  const std::optional<Physics> of_pile = std::exchange(pile_laws_, {});
+  const Physics* laws = former ? &former->physics : of_pile ? &*of_pile : nullptr;
+  const HeldBefore held = held_before(scene_, clock.stage, physics_, state_, inherited_, laws);
   begin_stage(physics_, std::exchange(inherited_, {}), state_, scratch_, former ? &*former : nullptr);
   clock.steps = physics_.steps;
   clock.dt = physics_.contacts.dt;
   begin_control(physics_, state_);
   warn(control_warnings(physics_, state_));
   look();
-  start_energy_ = cairn::start_energy(physics_, state_, last_, held, former_k);
+  start_energy_ = cairn::start_energy(physics_, state_, last_, held);
   announce_start(chosen.why);
   if (clock.total_steps == 0 && epoch_ == 0) add_snapshot();
 }
@@ -382,6 +374,7 @@ void Run::leave_stage() {
   Clock& clock = state_.clock;
   if (clock.steps > 0) {
     inherited_ = state_.contacts.records();
+    leave_stiffness(physics_, state_.bodies, inherited_, state_.walls.contacts);
     state_.contacts = ContactList{};
     state_.walls.contacts = state_.walls.numbered_contacts();
     state_.walls.number.clear();

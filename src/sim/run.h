@@ -76,7 +76,6 @@ class Run {
   Run(Scene scene, ResultFile results, Operation operation)
       : scene_(std::move(scene)), results_(std::move(results)), operation_(std::move(operation)) {}
 
-  std::optional<FormerStage> former_stage(double k_n) const;
   static Run load(const std::filesystem::path& path, Operation operation);
   void check_stages(std::size_t first) const;
   void start_stage();
@@ -101,6 +100,7 @@ class Run {
   Sidecar sidecar_;
   std::vector<std::string> shapes_;
   std::vector<ContactRecord> inherited_;  ///< contacts between two stages
+  std::optional<Physics> pile_laws_;      ///< that contacts of a pile from a file obeyed there
   std::vector<Wall> walls_;               ///< of the scene
   StageColumns stages_done_;
   Operation operation_;

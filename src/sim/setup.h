@@ -1,11 +1,12 @@
 // What a run starts from: bodies, and what their numbers refer to.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "sim/state.h"
+#include "sim/physics.h"
 
 namespace cairn {
 
@@ -17,12 +18,13 @@ struct Setup {
   HeldBodies held;
   std::vector<std::string> wall_sets;      ///< that Bodies::wall_set counts, see set_of_walls
   std::vector<std::string> shapes;         ///< name of each shape number
-  std::vector<ContactRecord> contacts;     ///< of a pile read from a file
+  std::vector<ContactRecord> contacts;     ///< of a pile read from a file, as leave_stiffness leaves them
   std::vector<WallContact> wall_contacts;  ///< the same, with the walls of the scene
   std::vector<double> wall_lead;           ///< s, see State; empty: 0
   DrivenWalls driven;                      ///< of the scene, as the pile's file has left them
   double region_volume = 0.0;              ///< m^3, see State
   double k_n = 0.0;                        ///< N/m, stiffness those contacts had; 0: none
+  std::optional<Physics> laws;             ///< that they obeyed, when known
   std::vector<std::string> notes;          ///< on what is taken over from the file, in a line each
   std::vector<std::string> warnings;       ///< and on what is not
 };

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "contact/law/law.h"
 #include "core/parallel.h"
 #include "sim/relax.h"
+#include "sim/springs.h"
 
 namespace cairn {
 
@@ -31,25 +33,15 @@ double overlap(const State& state, std::uint32_t i, std::uint32_t j) {
 
 /// Whether the bodies are as they were when their contacts were last in balance.
 bool in_balance(const Scene& scene, std::size_t index) {
+  const auto own = [](const Material& m) { return m.stiffness.has_value(); };
+  const bool alike = std::none_of(scene.materials.begin(), scene.materials.end(), own);
   while (index-- > 0 && scene.stages[index].operates()) {
     const StageSpec& stage = scene.stages[index];
-    if (stage.scale || (stage.assign && (stage.assign->density || stage.assign->density_factor)))
-      return false;
+    if (stage.scale) return false;
+    if (stage.assign && (stage.assign->density || stage.assign->density_factor)) return false;
+    if (stage.assign && !stage.assign->material.empty() && !alike) return false;
   }
   return true;
-}
-
-/// The law that the contacts obeyed before stage `index`, at the stiffness they had.
-SweepSettings former_law(const Scene& scene, std::size_t index, const Physics& physics, const State& state) {
-  while (index-- > 0)
-    if (!scene.stages[index].operates())
-      return resolve_physics(scene, index, state.bodies, state.k_n).contacts;
-  SweepSettings law = physics.contacts;  // of a pile from a file only the stiffness is known
-  for (PairLaw& pair : law.laws) {
-    pair.k_n *= state.k_n / physics.k_n;
-    pair.k_s *= state.k_n / physics.k_n;
-  }
-  return law;
 }
 
 }  // namespace
@@ -60,35 +52,41 @@ double StartEnergy::ratio() const {
   return scale > 0.0 ? excess / scale : std::numeric_limits<double>::infinity();
 }
 
-double held_energy(const Scene& scene, std::size_t index, const Physics& physics, const State& state,
-                   const std::vector<ContactRecord>& contacts) {
-  if (!(state.k_n > 0.0) || (contacts.empty() && state.walls.contacts.empty()) || !in_balance(scene, index))
-    return 0.0;
+HeldBefore held_before(const Scene& scene, std::size_t index, const Physics& physics, const State& state,
+                       const std::vector<ContactRecord>& contacts, const Physics* former) {
+  HeldBefore out;
+  if (!(state.k_n > 0.0) || !physics.can_touch) return out;
   const Bodies& bodies = state.bodies;
-  const SweepSettings law = former_law(scene, index, physics, state);
-  double energy = with_features(law.features, [&]<Features F>() {
-    return parallel_sum(contacts.size(), 0.0, [&](std::size_t k) {
-      const ContactRecord& c = contacts[k];
-      const std::uint16_t a = law.material[bodies.spheres.body[c.i]],
-                          b = law.material[bodies.spheres.body[c.j]];
-      const double ri = bodies.spheres.radius[c.i], rj = bodies.spheres.radius[c.j];
-      return stored_energy<F>(LawConstants<double>(law.laws[a * law.materials + b]), overlap(state, c.i, c.j),
-                              ri * rj / (ri + rj), c.memory);
+  Physics law = former && former->can_touch ? *former : resolve_laws(scene, index, bodies, state.k_n);
+  law.wall_materials = physics.wall_materials;  // the state has the walls of the stage that begins
+  if (!(contacts.empty() && state.walls.contacts.empty()) && in_balance(scene, index)) {
+    out.energy = with_features(law.contacts.features, [&]<Features F>() {
+      return parallel_sum(contacts.size(), 0.0, [&](std::size_t k) {
+        const ContactRecord& c = contacts[k];
+        const PairLaw& pair = law.contacts.law(bodies, {c.i, c.j});
+        ContactMemory<double> memory = c.memory;
+        enter_stiffness(pair, state.k_n, memory);
+        const double ri = bodies.spheres.radius[c.i], rj = bodies.spheres.radius[c.j];
+        return stored_energy<F>(LawConstants<double>(pair), overlap(state, c.i, c.j), ri * rj / (ri + rj),
+                                memory);
+      });
     });
-  });
-  if (!state.walls.contacts.empty()) {
     Walls walls = state.walls;
-    walls.set_laws(physics.materials, physics.wall_materials, state.k_n);
-    energy += walls.stored_energy(bodies, physics.contacts, state.clock.time());
+    std::vector<ContactRecord> none;
+    enter_stiffness(law, bodies, state.k_n, none, walls.contacts);
+    walls.set_laws(law.materials, law.wall_materials, law.k_n);
+    out.energy += walls.stored_energy(bodies, law.contacts, state.clock.time());
   }
-  return energy;
+  out.contacts = std::move(law.contacts);
+  return out;
 }
 
 StartEnergy start_energy(const Physics& physics, const State& state, const Observation& observation,
-                         double held, double former) {
+                         const HeldBefore& held) {
   const Bodies& bodies = state.bodies;
-  StartEnergy out{.excess = observation.elastic - held, .relaxes = physics.relax.has_value()};
-  if (former > 0.0) out.stiffer = physics.k_n / former;
+  StartEnergy out{.excess = observation.elastic - held.energy,
+                  .stiffer = stiffening(held.contacts, physics.contacts),
+                  .relaxes = physics.relax.has_value()};
   if (observation.gravitational < 0.0) {
     out.scale = -observation.gravitational;
     out.of = "gravitational energy";
@@ -103,7 +101,7 @@ StartEnergy start_energy(const Physics& physics, const State& state, const Obser
   out.deepest = deepest_pair(bodies, state.contacts);
   if (const auto [i, j] = out.deepest; i != j)
     out.overlap = overlap(state, i, j) / std::min(bodies.spheres.radius[i], bodies.spheres.radius[j]);
-  out.duration = 50.0 / relaxation_rate(RelaxSpec{}, physics.k_n, physics.body_mass, bodies.size());
+  out.duration = 50.0 / relaxation_rate(RelaxSpec{}, physics.softest, physics.body_mass, bodies.size());
   if (physics.gravity != GravityMethod::none)  // what has been pushed apart falls together again
     out.duration = std::max(out.duration, 10.0 * physics.fall_time);
   return out;

@@ -18,7 +18,7 @@ struct StartEnergy {
   const char* of = "";    ///< which that is
   Pair deepest{0, 0};     ///< spheres with the greatest overlap; i == j: none touch
   double overlap = 0.0;   ///< of them, over the smaller radius
-  double stiffer = 1.0;   ///< the stiffness over that of the contacts before
+  double stiffer = 1.0;   ///< the stiffness over that of the contacts before, at most
   bool relaxes = false;   ///< the stage takes it out
   double duration = 0.0;  ///< s, that a stage which takes it out will need, roughly
 
@@ -28,16 +28,24 @@ struct StartEnergy {
   bool counts() const { return ratio() > 0.01; }
 };
 
-/// Energy (J) at the places now that contacts which stage `index` inherits held in balance before: 0 for
-/// bodies put together anew, or scaled since. `state` is as before begin_stage.
-double held_energy(const Scene& scene, std::size_t index, const Physics& physics, const State& state,
-                   const std::vector<ContactRecord>& contacts);
+/// What the contacts that a stage inherits were before.
+struct HeldBefore {
+  double energy = 0.0;  ///< J, that they held in balance, at the places now; 0 for bodies put together anew,
+                        ///< or changed since
+  SweepSettings contacts;  ///< with the laws that they obeyed; no laws: there were none
+};
 
-/// What is beyond `held` (J), compared with the gravitational energy, or where there is no self-gravity with
-/// the energy of the motion in the pile or the work of the field over a radius, the larger of them. `state`
-/// and its observation are as after begin_stage; `former` (N/m): stiffness before.
+/// That of stage `index` with `physics`. `state` is as before begin_stage, and `contacts` as leave_stiffness
+/// has left them under the laws `former`; null: these are not known, and taken for those of the stage at the
+/// stiffness of then.
+HeldBefore held_before(const Scene& scene, std::size_t index, const Physics& physics, const State& state,
+                       const std::vector<ContactRecord>& contacts, const Physics* former);
+
+/// What is beyond that `held` before, compared with the gravitational energy, or where there is no
+/// self-gravity with the energy of the motion in the pile or the work of the field over a radius, the larger
+/// of them. `state` and its observation are as after begin_stage.
 StartEnergy start_energy(const Physics& physics, const State& state, const Observation& observation,
-                         double held, double former);
+                         const HeldBefore& held);
 
 /// One line for people: what the contacts hold, the deepest pair, and what to do.
 std::string describe(const StartEnergy& energy, const Bodies& bodies);

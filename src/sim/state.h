@@ -111,7 +111,7 @@ struct State {
   Control control;
   Relaxation relaxation;
   Ledger ledger;
-  double k_n = 0.0;                  ///< N/m, normal stiffness of the stage
+  double k_n = 0.0;                  ///< N/m, normal stiffness of the stage, of materials without their own
   double region_volume = 0.0;        ///< m^3, of the region last carved; 0: none, or the pile has failed
   std::vector<double> stage_starts;  ///< s, of the stages that have begun
   std::vector<double> wall_lead;     ///< s, that each wall had moved before it began to in this run; empty: 0

@@ -19,6 +19,7 @@
 #include "sim/agitation.h"
 #include "sim/relax.h"
 #include "sim/spin_control.h"
+#include "sim/springs.h"
 
 namespace cairn {
 
@@ -352,18 +353,8 @@ void begin_stage(const Physics& physics, std::vector<ContactRecord> contacts, St
     state.strain = begin_strain(physics, state.box);
     state.box.rate = state.strain.acts(0.0) ? state.strain.rate : Vec3::Zero();
   }
-  // Springs keep their forces: their lengths scale with the inverse of the stiffness.
-  const double ratio = state.k_n > 0.0 ? state.k_n / physics.k_n : 1.0;
-  const auto rescale = [ratio](auto& all) {
-    for (auto& c : all) {
-      c.memory.slide = ratio * c.memory.slide;
-      c.memory.roll = ratio * c.memory.roll;
-      c.memory.twist *= ratio;
-    }
-  };
   if (!physics.can_touch) contacts.clear();  // what they held is forgotten
-  rescale(contacts);
-  rescale(state.walls.contacts);
+  enter_stiffness(physics, bodies, state.k_n > 0.0 ? state.k_n : physics.k_n, contacts, state.walls.contacts);
   state.contacts = ContactList{};
   state.gravity = gravity::HeldGravity{};
   state.gravity.time = state.clock.time();
@@ -371,9 +362,10 @@ void begin_stage(const Physics& physics, std::vector<ContactRecord> contacts, St
   prepare_scratch(physics, state, scratch);
   state.contacts.restore(contacts);
   give_back(contacts);  // gravity needs the room
-  const SweepSettings* before = former ? &former->settings : nullptr;
+  const bool known = former && former->same_bodies;
+  const SweepSettings* before = known ? &former->physics.contacts : nullptr;
   renew_damping(bodies, before, physics.contacts, state.contacts);
-  state.walls.renew_damping(bodies, former ? &former->walls : nullptr, before, physics.contacts,
+  state.walls.renew_damping(bodies, known ? &former->walls : nullptr, before, physics.contacts,
                             state.clock.time());
   state.k_n = physics.k_n;
 

@@ -8,8 +8,8 @@
 #include "contact/candidates.h"
 #include "gravity/direct.h"
 #include "gravity/fmm.h"
+#include "sim/former_stage.h"
 #include "sim/perturbers.h"
-#include "sim/physics.h"
 #include "sim/state.h"
 
 namespace cairn {
@@ -38,15 +38,9 @@ struct Scratch {
   PhaseTimes times{};
 };
 
-/// What the dashpots of inherited contacts come from.
-struct FormerStage {
-  SweepSettings settings;
-  Walls walls;  ///< with their laws
-};
-
-/// Prepares a stage: the contacts it inherits take its stiffness and materials (springs keep their forces,
-/// and dashpots the effective masses of first touch where `former` tells them), wrenches are evaluated at the
-/// present poses and velocities.
+/// Prepares a stage: the contacts it inherits, left as leave_stiffness does, take its stiffness and materials
+/// (springs keep their forces, and dashpots the effective masses of first touch where `former` tells them),
+/// wrenches are evaluated at the present poses and velocities.
 /// @throws InputError when bodies overlap beyond the bound before the first step, when the box is too small
 /// for them, and when its strain leads away from the packing fraction asked for.
 void begin_stage(const Physics& physics, std::vector<ContactRecord> contacts, State& state, Scratch& scratch,

@@ -47,7 +47,11 @@ std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies,
   const double dt = physics.contacts.dt;
   double spin = 0.0;
   for (std::size_t b = 0; b < bodies.size(); ++b) spin = std::max(spin, angular_velocity(bodies, b).norm());
-  const double overlap = speed * physics.contact_time / kPi / smallest;
+  // Of the softest contacts, as if the shortest one were of the stiffest.
+  const double longest =
+      physics.contact_time *
+      (physics.stiffest > physics.softest ? std::sqrt(physics.stiffest / physics.softest) : 1.0);
+  const double overlap = speed * longest / kPi / smallest;
   if (overlap > physics.overlap_limit)
     out.push_back(
         fmt::format("{} that meet at {:.3g} m/s would overlap by about {:.2g} of the smallest "
@@ -72,7 +76,7 @@ std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies,
   for (std::size_t w = 0; w < walls.size(); ++w) {
     if (const std::optional<WallDrive>& drive = walls[w].drive; drive && physics.can_touch) {
       // So many contacts at once swing by half a radian in a step.
-      const double most = 0.25 * drive->mass / (physics.k_n * dt * dt),
+      const double most = 0.25 * drive->mass / (physics.stiffest * dt * dt),
                    pressing = std::pow(static_cast<double>(bodies.spheres.size()), 2.0 / 3.0);
       if (pressing > most)
         out.push_back(fmt::format(

@@ -26,9 +26,16 @@ Contents checkpoint(Contents all) {
   return all;
 }
 
-/// Grains fall on a shaken floor; later a mesh carves them.
+/// Grains fall on a shaken floor of another stiffness; later a mesh carves them.
 const std::string kFloor = R"(title = "Grains on a shaken floor"
+[[material]]
+name = "grain"
+stiffness = 7e7
+stiffness_ratio = 0.5
+[[material]]
+name = "table"
 [[cloud]]
+material = "grain"
 count = 12
 filling = 0.2
 size = 0.7
@@ -40,10 +47,12 @@ shape = "tetrahedron"
 shape = "sphere"
 [[wall]]
 kind = "plane"
+material = "table"
 oscillation_amplitude = [0.1, 0, 0.02]
 oscillation_frequency = 0.7
 [[wall]]
 kind = "plane"
+material = "table"
 point = [0, 0, -1]
 stages = ["fall"]
 velocity = [0, 0, 0.01]
@@ -65,6 +74,7 @@ carve = { region = { kind = "mesh", file = "cut.off" } }
 [[stage]]
 name = "on"
 duration = 2
+material = "table"
 field = [1, 0, -5]
 )";
 

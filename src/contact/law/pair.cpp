@@ -1,5 +1,6 @@
 #include "contact/law/pair.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace cairn {
@@ -25,8 +26,13 @@ double damping_ratio(double restitution) {
 PairLaw make_pair_law(const Material& a, const Material& b, double k_n) {
   const Material pair = mix(a, b);
   const double beta = pair.shape_factor;
-  return {.k_n = k_n,
-          .k_s = kTangentialRatio * k_n,
+  const auto in_series = [](double x, double y) {
+    const double softer = std::min(x, y), harder = std::max(x, y);
+    return x == y ? x : 2.0 * softer * (harder / (softer + harder));
+  };
+  const double k_a = a.stiffness.value_or(k_n), k_b = b.stiffness.value_or(k_n);
+  return {.k_n = in_series(k_a, k_b),
+          .k_s = in_series(a.stiffness_ratio * k_a, b.stiffness_ratio * k_b),
           .damping_n = damping_ratio(pair.restitution_normal),
           .damping_s = damping_ratio(pair.restitution_tangential),
           .friction = pair.friction,

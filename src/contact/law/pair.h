@@ -10,14 +10,12 @@
 
 namespace cairn {
 
-/// k_S / k_N: both oscillate at one frequency for loose spheres.
-inline constexpr double kTangentialRatio = 2.0 / 7.0;
-
 /// C / sqrt(k mu) of a dashpot with restitution e: -2 ln e / sqrt(pi^2 + ln^2 e) [Schwartz et al. 2012];
 /// e = 0 is critical damping (2): such a contact ends only when other forces pull the surfaces apart.
 double damping_ratio(double restitution);
 
-/// Constants of the pair (a, b) at normal stiffness k_n (N/m).
+/// Constants of the pair (a, b) where a material without a stiffness of its own has k_n (N/m). A material's
+/// stiffness is that of two such surfaces; those of a pair act in series, k = 2 / (1/k_a + 1/k_b), k_S too.
 PairLaw make_pair_law(const Material& a, const Material& b, double k_n);
 
 /// What the contacts between these materials need.

@@ -393,6 +393,23 @@ TEST(Mix, TakesGeometricMeansAndTheMeanShapeFactor) {
   EXPECT_EQ(one.k_s, 2.0 / 7.0 * kStiffness);
 }
 
+TEST(Mix, SpringsActInSeries) {
+  const Material plain{.name = "plain"}, soft{.name = "soft", .stiffness = 2e5, .stiffness_ratio = 0.5},
+      hard{.name = "hard", .stiffness = 6e5, .stiffness_ratio = 1.0},
+      rigid{.name = "rigid", .stiffness = 1e20};
+  const PairLaw own = make_pair_law(soft, soft, kStiffness), none = make_pair_law(plain, plain, kStiffness);
+  EXPECT_EQ(own.k_n, 2e5);
+  EXPECT_EQ(own.k_s, 1e5);
+  EXPECT_EQ(none.k_n, kStiffness);
+  EXPECT_EQ(none.k_s, 2.0 / 7.0 * kStiffness);
+  const PairLaw pair = make_pair_law(soft, hard, kStiffness);
+  EXPECT_DOUBLE_EQ(1.0 / pair.k_n, 0.5 / 2e5 + 0.5 / 6e5);
+  EXPECT_DOUBLE_EQ(1.0 / pair.k_s, 0.5 / 1e5 + 0.5 / 6e5);
+  EXPECT_EQ(make_pair_law(hard, soft, kStiffness).k_n, pair.k_n);
+  EXPECT_DOUBLE_EQ(1.0 / make_pair_law(plain, hard, kStiffness).k_n, 0.5 / kStiffness + 0.5 / 6e5);
+  EXPECT_NEAR(make_pair_law(soft, rigid, kStiffness).k_n, 4e5, 1e-6);
+}
+
 TEST(Mix, EveryPropertyHasItsOwnMean) {
   const Material a{.name = "a",
                    .restitution_normal = 0.9,

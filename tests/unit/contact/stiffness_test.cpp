@@ -14,6 +14,18 @@ namespace {
 
 constexpr double kStiffness = 1e6;
 
+/// That of bodies of one material, and walls of it.
+ShortestContact shortest_contact(const Bodies& bodies, double k_n, double beta, bool rolling, bool walls) {
+  const Material material{.name = "m", .shape_factor = beta};
+  const std::vector<std::uint16_t> of(bodies.size(), 0);
+  const PairLaw law = make_pair_law(material, material, k_n);
+  return cairn::shortest_contact(bodies, {.materials = 1,
+                                          .material = of,
+                                          .bodies = {&law, 1},
+                                          .walls = {&law, walls ? 1u : 0u},
+                                          .rolling = rolling});
+}
+
 /// `sizes` bodies of each of the shapes, at the origin.
 Bodies collection(const std::vector<std::string>& names, const std::vector<double>& sizes) {
   Bodies bodies;
@@ -103,6 +115,49 @@ TEST(ShortestContact, ScalesWithStiffnessAndMass) {
   const double t = shortest_contact(bodies, kStiffness, 0.5, true, true).time;
   EXPECT_NEAR(shortest_contact(bodies, 4.0 * kStiffness, 0.5, true, true).time, 0.5 * t, 1e-12 * t);
   EXPECT_NEAR(shortest_contact(large, kStiffness, 0.5, true, true).time, std::sqrt(8.0) * t, 1e-9 * t);
+}
+
+// A hard heavy ball among soft light ones: there is no pair of two hard ones, and light ones are not hard.
+TEST(ShortestContact, CountsOnlyPairsOfMaterialsThatThereAre) {
+  Bodies bodies = collection({"sphere"}, {3.0, 1.0, 0.5});
+  const Material soft{.name = "soft", .stiffness = 1e6},
+      hard{.name = "hard", .stiffness = 1e12, .stiffness_ratio = 1.0},
+      idle{.name = "idle", .stiffness = 1e15};
+  std::vector<PairLaw> laws, walls;
+  for (const Material& a : {soft, hard, idle}) {
+    for (const Material& b : {soft, hard, idle}) laws.push_back(make_pair_law(a, b, kStiffness));
+    walls.push_back(make_pair_law(a, soft, kStiffness));
+  }
+  const std::vector<std::uint16_t> material{1, 0, 0};
+  ContactLaws all{.materials = 3, .material = material, .bodies = laws, .walls = {}, .rolling = false};
+  const auto time = [](double k, double mobility) { return kPi / std::sqrt(k * mobility); };
+  const double light = 1.0 / bodies.mass[2], middle = 1.0 / bodies.mass[1], heavy = 1.0 / bodies.mass[0];
+  // Of the springs in series of soft and hard balls, twice the soft one; sliding of 4/7 + ... is slower.
+  const ShortestContact found = cairn::shortest_contact(bodies, all);
+  const double k_s = 2.0 / (1.0 / (2.0 / 7.0 * 1e6) + 1.0 / 1e12);
+  EXPECT_NEAR(found.time / std::min(time(2e6, light + heavy), time(k_s, 3.5 * (light + heavy))), 1.0, 2e-3);
+  EXPECT_EQ(found.encounter.body + found.encounter.other.value_or(9), 2u);
+  EXPECT_GT(time(1e6, light + middle), found.time);
+  all.walls = walls;
+  EXPECT_NEAR(cairn::shortest_contact(bodies, all).time / found.time, 1.0, 1e-12);
+}
+
+// A held ball of a hard material is met by light soft ones; it gives way to none.
+TEST(ShortestContact, IsThatWithAHeldBodyOfAHardMaterial) {
+  Bodies bodies = collection({"sphere"}, {1.0, 2.0, 2.0});
+  bodies.held = {0, 0, 1};
+  const Material soft{.name = "soft", .stiffness = 1e6, .stiffness_ratio = 0.1},
+      hard{.name = "hard", .stiffness = 1e12, .stiffness_ratio = 0.1};
+  std::vector<PairLaw> laws;
+  for (const Material& a : {soft, hard})
+    for (const Material& b : {soft, hard}) laws.push_back(make_pair_law(a, b, kStiffness));
+  const std::vector<std::uint16_t> material{0, 0, 1};
+  const ShortestContact found =
+      cairn::shortest_contact(bodies, {.materials = 2, .material = material, .bodies = laws, .walls = {}});
+  EXPECT_NEAR(found.time / (kPi / std::sqrt(2e6 / bodies.mass[0])), 1.0, 2e-3);
+  EXPECT_EQ(found.mode, ShortestContact::Mode::normal);
+  EXPECT_EQ(found.encounter.body, 0u);
+  EXPECT_EQ(found.encounter.other, 2u);
 }
 
 /// No contact found by a random search has a mode faster than the bound, and some come close.

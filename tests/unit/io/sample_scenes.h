@@ -36,6 +36,8 @@ friction_rolling = 0.8
 friction_twisting = 0.9
 shape_factor = 0.4
 cohesion = 120
+stiffness = 3e7
+stiffness_ratio = 0.8
 
 [[material]]
 name = "smooth"

@@ -301,6 +301,33 @@ TEST(SceneErrors, Stages) {
   EXPECT_EQ(error_of(kGood + "[contact]\nmax_overlap = 0.05\noverlap_limit = 0.05"), "no error");
 }
 
+TEST(SceneErrors, StiffnessesOfMaterials) {
+  const std::string one = kGood + "[[material]]\nname = 'a'\n";  // lines 7 and 8
+  expect_errors(
+      one,
+      {{"stiffness = 0", "s.toml:9:13: key 'material[0].stiffness': expected 0 < x <= 1e20 in N/m, found 0"},
+       {"stiffness = 'hard'",
+        "s.toml:9:13: key 'material[0].stiffness': expected a number in N/m, found a string"},
+       {"stiffness_ratio = 0",
+        "s.toml:9:19: key 'material[0].stiffness_ratio': expected 0 < x <= 10, found 0"},
+       {"stiffness_ratio = 10.5",
+        "s.toml:9:19: key 'material[0].stiffness_ratio': expected 0 < x <= 10, found 10.5"},
+       {"stiffness = 5\n[contact]\nstiffness = 3",
+        "s.toml:11:13: key 'contact.stiffness': has no effect, because every material has a stiffness of its "
+        "own"}});
+  // A stage's counts where its material or that of a wall takes it.
+  const std::string bodies =
+      "[[material]]\nname = 'a'\nstiffness = 5\n[[material]]\nname = 'b'\n"
+      "[[body]]\nshape = 'sphere'\ndensity = 1000\nmaterial = 'b'\n[[stage]]\nname = 'a'\nduration = 1\n";
+  const std::string of_a = "stiffness = 3\nmaterial = 'a'\n";  // on line 13
+  EXPECT_EQ(
+      error_of(bodies + of_a),
+      "s.toml:13:13: key 'stage[0].stiffness': has no effect, because the materials of the stage have a "
+      "stiffness of their own");
+  EXPECT_EQ(error_of(bodies + of_a + "[[wall]]\nkind = 'plane'\nmaterial = 'b'\n"), "no error");
+  EXPECT_EQ(error_of(bodies + "stiffness = 3\nmaterial = 'b'\n"), "no error");
+}
+
 TEST(SceneErrors, Perturbers) {
   const std::string one = kGood + "[[perturber]]\nname = 'P'\n";  // lines 7 and 8
   const std::string moon = one + "mass = 1\n";                    // line 9; the test adds from line 10 on
@@ -494,6 +521,9 @@ TEST(SceneErrors, KeysThatOnlyContactsGiveAMeaning) {
       {{"stiffness = 1", "s.toml:11:13: key 'stage[1].stiffness': has no effect in a stage without contacts"},
        {"impact_speed = 1",
         "s.toml:11:16: key 'stage[1].impact_speed': has no effect in a stage without contacts"},
+       {"relax = {}", "s.toml:11:9: key 'stage[1].relax': has no effect in a stage without contacts"},
+       {"[stage.relax]\nrate = 1",
+        "s.toml:11:1: key 'stage[1].relax': has no effect in a stage without contacts"},
        {"[[wall]]\nkind = 'plane'\nstages = ['b']",
         "s.toml:13:10: key 'wall[0].stages': has no effect in stage 'b', which has no contacts"},
        {"[[stage]]\nname = 'c'\ncontacts = true\nscale = { density = 1, volume = 1 }",

@@ -58,6 +58,8 @@ TEST(Scene, MaterialsContactAndGravityArrive) {
   EXPECT_EQ(rough.friction_twisting, 0.9);
   EXPECT_EQ(rough.shape_factor, 0.4);
   EXPECT_EQ(rough.cohesion, 120.0);
+  EXPECT_EQ(rough.stiffness, 3e7);
+  EXPECT_EQ(rough.stiffness_ratio, 0.8);
   EXPECT_EQ(scene.contact.stiffness, 1e7);
   EXPECT_EQ(scene.contact.time_step, 0.01);
   EXPECT_TRUE(scene.contact.unsafe_time_step);
@@ -241,7 +243,7 @@ TEST(Scene, LaterErrorsCanNameTheLine) {
   const Scene scene = parse(kPileScene);
   EXPECT_STREQ(scene.sources.error("cloud[0].shape[1].shape", "no such shape").what(),
                "scene.toml:22:11: key 'cloud[0].shape[1].shape': no such shape");
-  EXPECT_EQ(scene.sources.find("stage[1].stiffness").line, 64u)
+  EXPECT_EQ(scene.sources.find("stage[1].stiffness").line, 66u)
       << "an absent key stands where its table does";
 }
 

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "folder.h"
 #include "pile/assemble.h"
+#include "pile/operate.h"
 #include "sim/fields.h"
 #include "sim/run.h"
 
@@ -60,7 +61,7 @@ class PileFile : public testing::Test {
         .title = "", .scene = text, .directory = folder_.path().string(), .version = "", .seed = 1};
     cairn::Setup setup = assemble(start), copy = setup;
     cairn::Run whole(std::move(start), std::move(setup),
-                     ResultFile::create(folder_ / name, attributes.table(), false));
+                     ResultFile::create(folder_ / name, attributes.table(), false), operate);
     EXPECT_EQ(whole.advance({}), RunEnd::finished);
     omp_set_num_threads(threads);
     return copy;
@@ -115,6 +116,91 @@ TEST_F(PileFile, SpringsOnWallsGoOnAsInOneRun) {
                 1e-4 * series("one.h5", "elastic_energy").back());
     for (const char* name : {"first.h5", "second.h5", "one.h5"}) std::filesystem::remove(folder_ / name);
   }
+}
+
+/// Two balls of different materials, one on the other, on a floor of a third that is not level.
+constexpr const char* kStack = R"(
+[[material]]
+name = "soft"
+restitution_normal = 0.1
+restitution_tangential = 0.1
+stiffness = 6e5
+stiffness_ratio = 0.6
+[[material]]
+name = "hard"
+restitution_normal = 0.1
+restitution_tangential = 0.1
+stiffness = 4e6
+[[material]]
+name = "plank"
+restitution_normal = 0.1
+restitution_tangential = 0.1
+[contact]
+stiffness = 1e6
+[gravity]
+method = "none"
+field = [0.05, 0.02, -1]
+)";
+constexpr const char* kTwo = R"(
+[[body]]
+shape = "sphere"
+density = 2000
+material = "soft"
+position = [0, 0, 1]
+[[body]]
+shape = "sphere"
+density = 2000
+material = "hard"
+position = [0, 0, 3]
+)";
+constexpr const char* kPlank = "[[wall]]\nkind = 'plane'\nmaterial = 'plank'\n";
+
+TEST_F(PileFile, SpringsOfMaterialsOfTheirOwnStiffnessGoOn) {
+  run(kTwo + std::string(kPlank) + kStack + kFirst, "first.h5");
+  const cairn::Setup setup = run(pile(std::string(kPlank) + kStack + kSecond), "second.h5");
+  EXPECT_EQ(setup.contacts.size(), 1u);
+  EXPECT_EQ(setup.wall_contacts.size(), 1u);
+  EXPECT_TRUE(setup.warnings.empty()) << setup.warnings[0];
+  ASSERT_TRUE(setup.laws);
+  EXPECT_EQ(setup.laws->k_n, 1e6);
+  expect_springs_kept(1e-12);
+  // Whatever the materials are here, and also where an operation comes last.
+  const std::string plank = kPlank,
+                    carve = "[[stage]]\nname = 'all'\ncarve = { region = { kind = 'ball', radius = 90 } }\n";
+  const auto start = [&](const std::string& name, const std::string& tables) {
+    return assemble(scene("pile = '" + name + "'\n" + plank + tables + kSecond));
+  };
+  const auto slide = [](const cairn::Setup& s) { return s.contacts.at(0).memory.slide.x; };
+  EXPECT_EQ(slide(start("first.h5", replaced(kStack, "6e5", "3e5"))), slide(setup));
+  run(pile(plank + kStack + kSecond + carve), "carved.h5");
+  const cairn::Setup carved = start("carved.h5", kStack), second = start("second.h5", kStack);
+  EXPECT_EQ(slide(carved), slide(second));
+  EXPECT_EQ(carved.wall_contacts.at(0).memory.slide.x, second.wall_contacts.at(0).memory.slide.x);
+  run(pile(replaced(kStack, "[contact]\nstiffness = 1e6\n", "") + carve), "cut.h5");
+  const cairn::Setup cut = start("cut.h5", kStack);
+  EXPECT_FALSE(cut.laws);
+  EXPECT_EQ(slide(cut), slide(setup));
+}
+
+TEST_F(PileFile, AMaterialThatHasBecomeStifferIsSaid) {
+  run(kTwo + std::string(kPlank) + kStack + kFirst, "first.h5");
+  const double held = series("first.h5", "elastic_energy").back();
+  const auto start = [&](const std::string& tables) {
+    Scene again = scene(pile(std::string(kPlank) + tables + kSecond));
+    RunAttributes attributes{
+        .title = "", .scene = again.text, .directory = again.directory.string(), .version = "", .seed = 1};
+    cairn::Setup setup = assemble(again);
+    cairn::Run on(std::move(again), std::move(setup),
+                  ResultFile::create(folder_ / "on.h5", attributes.table(), true));
+    on.advance({});
+    return on.start_energy();
+  };
+  EXPECT_LT(start(kStack).excess, 1e-9 * held);
+  EXPECT_DOUBLE_EQ(start(kStack).stiffer, 1.0);
+  const StartEnergy stiff = start(replaced(kStack, "6e5", "2.4e6"));
+  EXPECT_GT(stiff.excess, 0.5 * held);
+  const auto in_series = [](double a, double b) { return 2.0 / (1.0 / a + 1.0 / b); };
+  EXPECT_NEAR(stiff.stiffer, in_series(2.4e6, 4e6) / in_series(6e5, 4e6), 1e-12);
 }
 
 TEST_F(PileFile, WallsAreFoundInAnotherFrameAmongOthersAndByTheValuesOfTheirMaterial) {

@@ -14,7 +14,8 @@
 namespace cairn {
 namespace {
 
-/// The second stage is stiffer and has another material, so that springs and dashpots change in between.
+/// The second stage is stiffer, by another factor on the wall than between bodies, and has another material,
+/// so that springs and dashpots change in between.
 constexpr const char* kScene = R"(
 [[body]]
 shape = "sphere"
@@ -26,9 +27,11 @@ material = "rock"
 [[material]]
 name = "rock"
 cohesion = 100
+stiffness_ratio = 0.4
 [[material]]
 name = "sand"
 friction = 0.3
+stiffness = 2e7
 [gravity]
 method = "none"
 field = [0.2, 0, -1]

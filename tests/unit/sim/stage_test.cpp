@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "shape/library.h"
+#include "sim/springs.h"
 #include "stage.h"
 
 namespace cairn {
@@ -12,15 +13,19 @@ namespace {
 
 /// Two balls of 1 m and 2000 kg/m^3 that press on each other and on a floor.
 struct TwoOnFloor : Stage {
-  explicit TwoOnFloor(const std::string& tables)
+  /// `material`: key of the bodies and of the floor.
+  explicit TwoOnFloor(const std::string& tables, const std::string& material = {})
       : Stage(R"(
 [[body]]
 shape = "sphere"
 density = 2000
+)" + material +
+              R"(
 [[wall]]
 kind = "plane"
 point = [0, 0, -0.99]
-)" + tables) {
+)" + material +
+              tables) {
     const RigidShape ball = make_rigid(load_shape("sphere", "."), MassModel::union_volume);
     for (const double x : {0.0, 1.99})
       add_body(state.bodies, ball, 0, 1.0, 2000.0, 0, {.position = {x, 0.0, 0.0}});
@@ -63,6 +68,59 @@ duration = 1
   EXPECT_NEAR(two.state.bodies.force[0].z(), 4e5 * 0.01, 1e-6);
 }
 
+// Two balls of two materials on a floor of a third: three pairs, and no two of the same stiffness or k_S/k_N.
+TEST(BeginStage, SpringsKeepTheirForcesByPairWhenMaterialsChange) {
+  TwoOnFloor two(R"(
+[[material]]
+name = "soft"
+stiffness = 2e5
+stiffness_ratio = 0.5
+[[material]]
+name = "hard"
+stiffness = 8e5
+stiffness_ratio = 0.7
+[[material]]
+name = "plank"
+[gravity]
+method = "none"
+[contact]
+stiffness = 4e5
+[[stage]]
+name = "two materials"
+duration = 1
+[[stage]]
+name = "one, on a softer floor"
+duration = 1
+stiffness = 1e5
+material = "hard"
+)",
+                 "material = 'plank'");
+  State& state = two.state;
+  state.bodies.material = {0, 1};
+  two.begin();
+  EXPECT_NEAR(two.physics.contacts.laws[1].k_n, 3.2e5, 1e-9);
+  const ContactMemory<double> old{1.0, 2.0, {0.0, 2e-4, 0.0}, {0.0, 4e-4, 0.0}, 8e-4};
+  std::vector<ContactRecord> pairs{{0, 1, old}};
+  state.walls.contacts = {{0, 0, 0, old}, {1, 0, 0, old}};
+  leave_stiffness(two.physics, state.bodies, pairs, state.walls.contacts);
+  const Physics next = resolve_physics(two.scene, 1, state.bodies, 1e5);
+  begin_stage(next, pairs, state, two.scratch);
+  const auto series = [](double a, double b) { return 2.0 / (1.0 / a + 1.0 / b); };
+  const auto expect = [&](const ContactMemory<double>& m, double k_n, double k_s, double now_n,
+                          double now_s) {
+    EXPECT_NEAR(m.slide.y / old.slide.y, k_s / now_s, 1e-12);
+    EXPECT_NEAR(m.roll.y / old.roll.y, k_n / now_n, 1e-12);
+    EXPECT_NEAR(m.twist / old.twist, k_s / now_s, 1e-12);
+  };
+  const double plain = 2.0 / 7.0;
+  expect(state.contacts.records().at(0).memory, series(2e5, 8e5), series(1e5, 5.6e5), 8e5, 5.6e5);
+  ASSERT_EQ(state.walls.contacts.size(), 2u);
+  expect(state.walls.contacts[0].memory, series(2e5, 4e5), series(1e5, plain * 4e5), series(8e5, 1e5),
+         series(5.6e5, plain * 1e5));
+  expect(state.walls.contacts[1].memory, series(8e5, 4e5), series(5.6e5, plain * 4e5), series(8e5, 1e5),
+         series(5.6e5, plain * 1e5));
+}
+
 TEST(BeginStage, DashpotsKeepTheEffectiveMassesOfFirstTouch) {
   TwoOnFloor two(R"(
 [gravity]
@@ -76,8 +134,8 @@ duration = 1
   two.begin();
   const ContactMemory<double> old{1.0, 2.0, {}, {}, 0.0};
   for (const double softer : {1.0, 4.0}) {
-    FormerStage former{two.physics.contacts, two.state.walls};
-    for (PairLaw& law : former.settings.laws) law.k_n /= softer, law.k_s /= softer;
+    FormerStage former{two.physics, two.state.walls};
+    for (PairLaw& law : former.physics.contacts.laws) law.k_n /= softer, law.k_s /= softer;
     former.walls.set_laws(two.physics.materials, two.physics.wall_materials, two.physics.k_n / softer);
     two.state.walls.contacts = {{1, 0, 0, old}};
     begin_stage(two.physics, {{0, 1, old}}, two.state, two.scratch, &former);
@@ -88,8 +146,8 @@ duration = 1
     }
     // With another restitution in the same proportion; from an elastic one nothing is known.
     for (const double damping : {0.5, 0.0}) {
-      FormerStage other{two.physics.contacts, two.state.walls};
-      for (PairLaw& law : other.settings.laws) law.damping_n *= damping, law.damping_s *= damping;
+      FormerStage other{two.physics, two.state.walls};
+      for (PairLaw& law : other.physics.contacts.laws) law.damping_n *= damping, law.damping_s *= damping;
       begin_stage(two.physics, {{0, 1, old}}, two.state, two.scratch, &other);
       const ContactMemory<double> m = two.state.contacts.records().at(0).memory;
       if (damping > 0.0)

@@ -4,10 +4,12 @@
 #include <cmath>
 
 #include "contact/stiffness.h"
+#include "core/error.h"
 #include "folder.h"
 #include "shape/library.h"
 #include "sim/make_walls.h"
 #include "sim/run.h"
+#include "sim/warnings.h"
 
 namespace cairn {
 namespace {
@@ -326,6 +328,180 @@ stiffness = {}
   EXPECT_NEAR(pushed(stiff), 0.5 * (stiff - soft) * overlap * overlap / energy, 1e-3 * pushed(stiff));
   EXPECT_LT(pushed(soft), 1e-9);
   EXPECT_EQ(pushed(0.5 * soft), 0.0);
+}
+
+// The same by a change of material, at one stiffness of the scene.
+TEST(Stages, TellWhatAStifferMaterialWillPushApart) {
+  const double mass = 2000.0 * 4.0 / 3.0 * kPi, soft = 0.1, stiff = 20.0,
+               pair = 2.0 / (1.0 / soft + 1.0 / 0.4);
+  double distance = 2.0;
+  for (int k = 0; k < 20; ++k)
+    distance = 2.0 - kGravitationalConstant * mass * mass / (distance * distance * pair);
+  const double energy = kGravitationalConstant * mass * mass / distance, overlap = 2.0 - distance;
+  const auto go_on = [&](const std::string& stages) {
+    const Folder folder;
+    cairn::Setup setup = balls({{0.0, 0.0, 0.0}, {0.0, 0.0, distance}});
+    setup.bodies.material = {0, 1};
+    cairn::Run pile = new_run(fmt::format(R"(
+[[body]]
+shape = "sphere"
+density = 2000
+material = "soft"
+[[material]]
+name = "soft"
+stiffness = {}
+[[material]]
+name = "firm"
+stiffness = 0.4
+[[material]]
+name = "stiff"
+stiffness = {}
+stiffness_ratio = 0.9
+[gravity]
+method = "direct"
+[[stage]]
+name = "rest"
+duration = 100
+{}
+[[stage]]
+name = "on"
+duration = 1
+)",
+                                          soft, stiff, stages.substr(0, stages.find('|'))) +
+                                  stages.substr(stages.find('|') + 1),
+                              std::move(setup), folder / "run.h5",
+                              [](const Scene&, std::size_t, State& state, std::vector<ContactRecord>&) {
+                                state.bodies.material = {2, 2};
+                                return std::string("assigned");
+                              });
+    pile.advance({});
+    return pile.start_energy();
+  };
+  EXPECT_LT(go_on("|").ratio(), 1e-9);
+  EXPECT_DOUBLE_EQ(go_on("|").stiffer, 1.0);
+  const cairn::StartEnergy start = go_on("|material = 'stiff'\n");
+  EXPECT_NEAR(start.ratio(), 0.5 * (stiff - pair) * overlap * overlap / energy, 1e-3 * start.ratio());
+  EXPECT_NEAR(start.stiffer, stiff / pair, 1e-12 * start.stiffer);
+  EXPECT_EQ(go_on("|material = 'soft'\n").ratio(), 0.0);
+  // After an operation has assigned it, all that the contacts hold counts.
+  const cairn::StartEnergy assigned = go_on(
+      "[[stage]]\nname = 'assign'\nassign = { region = { kind = 'ball', radius = 9 }, material = 'stiff' }|");
+  EXPECT_NEAR(assigned.ratio(), 0.5 * stiff * overlap * overlap / energy, 1e-3 * assigned.ratio());
+}
+
+TEST(Stages, MaterialsThatAllHaveTheirStiffnessNeedNoOther) {
+  const std::string text = R"(
+[[material]]
+name = "a"
+stiffness = 3e6
+[[material]]
+name = "b"
+stiffness = 2e6
+[[material]]
+name = "idle"
+[[body]]
+shape = "sphere"
+density = 2000
+material = "a"
+[[stage]]
+name = "one"
+duration = 10
+[[stage]]
+name = "two"
+duration = 10
+material = "idle"
+[gravity]
+method = "none"
+)";
+  Bodies bodies = balls({{0.0, 0.0, 0.0}, {0.0, 0.0, 3.0}}).bodies;
+  const Scene scene = parse_scene(text, "run.toml", ".");
+  EXPECT_EQ(resolve_stiffness(scene, 0, bodies, {}, 0.0).k_n, 3e6);
+  bodies.material[1] = 1;
+  EXPECT_EQ(resolve_stiffness(scene, 0, bodies, {}, 0.0).k_n, 2e6);
+  EXPECT_THROW(resolve_stiffness(scene, 1, bodies, {}, 0.0), InputError);  // nothing loads the contacts
+  bodies.material[1] = 2;
+  EXPECT_THROW(resolve_stiffness(scene, 0, bodies, {}, 0.0), InputError);
+  // The floor is of none of its own.
+  const Scene floor = parse_scene(text + "[[wall]]\nkind = 'plane'\nmaterial = 'idle'\n", "run.toml", ".");
+  bodies.material = {0, 0};
+  EXPECT_THROW(resolve_stiffness(floor, 0, bodies, make_walls(floor), 0.0), InputError);
+}
+
+TEST(Stages, WarnOfOverlapsOfTheSoftestPairThatThereIs) {
+  const auto said = [](const std::string& partner, std::vector<std::uint16_t> materials) {
+    const Scene scene = parse_scene(fmt::format(R"(
+[[material]]
+name = "hard"
+stiffness = 1e8
+[[material]]
+name = "soft"
+stiffness = 1e2
+[[body]]
+shape = "sphere"
+density = 2000
+material = "hard"
+[[stage]]
+name = "blow"
+duration = 10
+[gravity]
+method = "none"
+{})",
+                                                partner),
+                                    "run.toml", ".");
+    Bodies bodies = balls({{0.0, 0.0, 2.0}, {0.0, 0.0, 5.0}}).bodies;
+    bodies.material = std::move(materials);
+    bodies.velocity[0].x() = 0.1;
+    const std::vector<Wall> walls = make_walls(scene);
+    const Physics physics =
+        resolve_physics(scene, 0, bodies, resolve_stiffness(scene, 0, bodies, walls, 0.0).k_n);
+    for (const std::string& line : warnings(physics, bodies, walls))
+      if (line.find("would overlap") != line.npos) return true;
+    return false;
+  };
+  EXPECT_FALSE(said("", {0, 0}));
+  EXPECT_TRUE(said("", {0, 1}));
+  EXPECT_TRUE(said("[[wall]]\nkind = 'plane'\nmaterial = 'soft'\n", {0, 0}));
+}
+
+TEST(Stages, CohesionIsComparedWithTheStiffnessOfItsPair) {
+  const auto error = [](const std::string& glue, double shared) {
+    const Scene scene = parse_scene(fmt::format(R"(
+[[material]]
+name = "glue"
+cohesion = 1e4
+{}
+[[material]]
+name = "dry"
+[[body]]
+shape = "sphere"
+density = 2000
+material = "glue"
+[[stage]]
+name = "hang"
+duration = 10
+[gravity]
+method = "none"
+)",
+                                                glue),
+                                    "run.toml", ".");
+    try {
+      resolve_physics(scene, 0, balls({{0.0, 0.0, 0.0}, {0.0, 0.0, 2.0}}).bodies, shared);
+    } catch (const InputError& caught) {
+      return std::string(caught.what());
+    }
+    return std::string();
+  };
+  // 1e4 Pa times (2 beta R)^2 = 0.25 m^2 is 2500 N: 1e4 N/m give 0.25 m.
+  EXPECT_EQ(
+      error("", 1e4),
+      "stage 'hang': cohesion presses spheres together by 0.25 of their radius, overlap_limit is 0.1; a "
+      "contact.stiffness of at least 2.5e+04 N/m is needed");
+  EXPECT_EQ(
+      error("stiffness = 1e4", 1e6),
+      "stage 'hang': cohesion presses spheres together by 0.25 of their radius, overlap_limit is 0.1; a "
+      "stiffness of the contacts, contact.stiffness or material.stiffness, of at least 2.5 times what they "
+      "have is needed");
+  EXPECT_EQ(error("stiffness = 1e6", 1e4), "");
 }
 
 TEST(Stages, RigidRotationIsNoAgitation) {
