@@ -29,6 +29,7 @@ printf '3solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nve
 { printf '3'; head -c 80 /dev/zero; printf "\x01\0\0\0\0\0\0\0\0\0\0\0$one$triangle\0\0"; } > stl_binary
 printf "44 4\n${points}1 3 2\n1 2 4\n1 4 3\n2 3 4\n" > plates
 printf '44\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n1\n1 1 3 2\n' > numbered
+printf '46 8\n-90 0 1\n0 0 1\n0 90 1\n0 180 1\n0 280 1\n90 0 1\n1 3 2\n1 4 3\n1 5 4\n1 2 5\n6 2 3\n6 3 4\n6 4 5\n6 5 2\n' > angles
 { printf 4; printf '%s 2.0\n' {-90,0,90}\ {0,120,240}; } > radii
 { printf '41\n'; for x in -1 1; do printf '%s\n' "$x "{-1,1}\ {-1,1} {-1,1}" $x "{-1,1} {-1,1}\ {-1,1}" $x"; done; } > cube
 printf "\4\0\0\0\0\0\0\0\0\0\0\0\0$one\0\0\0\0\0\0\0\0\0\0\0\0$one\0\0\0\0\0\0\0\0\0\0\0\0$one\0\2\1\0\1\3\0\3\2\1\2\3" \

@@ -36,12 +36,13 @@ struct Trial {
 
 /// On a copy of the state, no longer than the stage. At first gravity is evaluated more often than later.
 Trial try_stage(const Scene& scene, std::size_t stage, const Physics& physics,
-                const std::vector<ContactRecord>& contacts, const Physics* former, State state) {
+                const std::vector<ContactRecord>& contacts, const FormerStage* former, State state) {
   constexpr double kWarmUp = 0.5, kTrial = 1.5;  // s
   Scratch scratch;
   place_spheres(state.bodies);
-  const HeldBefore held = held_before(scene, stage, physics, state, contacts, former);
-  begin_stage(physics, contacts, state, scratch);
+  const HeldBefore held =
+      held_before(scene, stage, physics, state, contacts, former ? &former->physics : nullptr);
+  begin_stage(physics, contacts, state, scratch, former);
   state.clock.dt = physics.contacts.dt;
   begin_control(physics, state);
   Trial trial;
@@ -84,7 +85,9 @@ void check(const Options& options) {
   load_tracks(scene);
   Setup setup = assemble(scene);
   std::vector<ContactRecord> contacts = std::move(setup.contacts);
-  std::optional<Physics> former = std::move(setup.laws);
+  const std::optional<FormerStage> of_pile = std::move(setup.former);
+  std::optional<Physics> former;
+  if (of_pile) former = of_pile->physics;
   const std::vector<std::string> notes = std::move(setup.notes), lost = std::move(setup.warnings);
   const std::vector<std::string> wall_sets = setup.wall_sets;
   State state = first_state(std::move(setup));
@@ -98,6 +101,7 @@ void check(const Options& options) {
   fmt::print("{}: {}\n{} bodies, {} spheres, {:.4g} kg; escape speed of the pile {:.3g} m/s\n",
              options.scene.string(), scene.title, bodies.size(), bodies.spheres.size(), mass,
              escape_speed(bodies));
+  for (const std::string& note : scene.files.notes()) fmt::print("mesh         {}\n", note);
   for (const std::string& note : notes) fmt::print("pile         {}\n", note);
   for (const std::string& what : lost) fmt::print("warning      {}\n", what);
   std::optional<Trial> trial;  // of the first stage that takes time; the bodies after it are not known
@@ -128,7 +132,7 @@ void check(const Options& options) {
     const bool first = !trial;
     if (first) {
       set_walls(scene, k, all_walls, std::vector<double>(k + 1, 0.0), state.walls);
-      trial = try_stage(scene, k, physics, contacts, former ? &*former : nullptr, state);
+      trial = try_stage(scene, k, physics, contacts, former ? &*of_pile : nullptr, state);
     }
     seconds += static_cast<double>(physics.steps) *
                (trial->step + trial->row * std::min(1.0, physics.contacts.dt / physics.series_interval));

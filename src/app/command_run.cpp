@@ -47,6 +47,7 @@ void start(const Options& options) {
     for (const std::string& w : setup.warnings) spdlog::warn("{}", w);
     return Run(std::move(scene), std::move(setup), std::move(results), operate);
   });
+  for (const std::string& note : run.scene().files.notes()) spdlog::warn("{}", note);
   for (const std::string& w : run.warnings()) spdlog::warn("{}", w);
   const std::vector<std::vector<std::string>> looks_wrong = operation_warnings(run.scene(), run.state());
   for (std::size_t k = 0; k < looks_wrong.size(); ++k)

@@ -2,25 +2,52 @@
 
 #include <algorithm>
 #include <cstring>
+#include <new>
+#include <utility>
 
 #include "io/checksum.h"
 
 namespace cairn::h5 {
 namespace {
 
-/// Errors are thrown; HDF5 shall not print them as well. Nor shall a file make it load foreign code.
+/// Errors are thrown; HDF5 shall not print them as well. Nor shall a file make it load foreign code, nor
+/// shall it, as the program ends, try once more to close a file whose closing has failed: its descriptor is
+/// gone.
 void prepare_library() {
   static const herr_t done = [] {
+    H5dont_atexit();
     H5PLset_loading_state(0);
     return H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   }();
   static_cast<void>(done);
 }
 
-herr_t keep_innermost(unsigned, const H5E_error2_t* entry, void* text) {
-  if (entry->desc != nullptr) *static_cast<std::string*>(text) = entry->desc;
+// What HDF5 calls must not throw through it: it would leave its own state in disorder.
+
+herr_t keep_innermost(unsigned, const H5E_error2_t* entry, void* text) noexcept {
+  try {
+    if (entry->desc != nullptr) *static_cast<std::string*>(text) = entry->desc;
+  } catch (const std::bad_alloc&) {  // the one before will do
+  }
   return 0;
 }
+
+/// Names that HDF5 tells one by one.
+struct Names {
+  std::vector<std::string> list;
+  bool complete = true;
+
+  template <class Info>
+  static herr_t add(hid_t, const char* name, const Info*, void* names) noexcept {
+    auto* self = static_cast<Names*>(names);
+    try {
+      self->list.emplace_back(name);
+    } catch (const std::bad_alloc&) {
+      self->complete = false;
+    }
+    return self->complete ? 0 : -1;
+  }
+};
 
 void check(herr_t status, const std::string& what) {
   if (status < 0) fail(what);
@@ -213,13 +240,12 @@ Group open_group(hid_t parent, const std::string& path) {
 }
 
 std::vector<std::string> names(hid_t group) {
-  const auto add = [](hid_t, const char* name, const H5L_info_t*, void* list) -> herr_t {
-    static_cast<std::vector<std::string>*>(list)->emplace_back(name);
-    return 0;
-  };
-  std::vector<std::string> list;
-  check(H5Literate(group, H5_INDEX_CRT_ORDER, H5_ITER_INC, nullptr, add, &list), "links");
-  return list;
+  Names found;
+  const herr_t status =
+      H5Literate(group, H5_INDEX_CRT_ORDER, H5_ITER_INC, nullptr, Names::add<H5L_info_t>, &found);
+  if (!found.complete) throw std::bad_alloc();
+  check(status, "links");
+  return std::move(found.list);
 }
 
 std::vector<DatasetInfo> datasets(hid_t group) {
@@ -314,13 +340,12 @@ bool has_attribute(hid_t object, const std::string& name) {
 }
 
 std::vector<std::string> attribute_names(hid_t object) {
-  const auto add = [](hid_t, const char* name, const H5A_info_t*, void* list) -> herr_t {
-    static_cast<std::vector<std::string>*>(list)->emplace_back(name);
-    return 0;
-  };
-  std::vector<std::string> list;
-  check(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &list), "attributes");
-  return list;
+  Names found;
+  const herr_t status =
+      H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, nullptr, Names::add<H5A_info_t>, &found);
+  if (!found.complete) throw std::bad_alloc();
+  check(status, "attributes");
+  return std::move(found.list);
 }
 
 Dataset create_growing(hid_t parent, const std::string& name) {

@@ -45,6 +45,15 @@ void remember(const DriverFile& file, int error) {
   if (file.target.log->error == 0) file.target.log->error = error;
 }
 
+/// Nothing may be thrown through HDF5: it would leave its own state in disorder, and break down later.
+void remember_written(const DriverFile& file, haddr_t begin, haddr_t end) noexcept {
+  try {
+    file.target.log->changes.write(begin, end);
+  } catch (const std::bad_alloc&) {
+    remember(file, ENOMEM);
+  }
+}
+
 H5FD_t* open_file(const char*, unsigned, hid_t access_list, haddr_t) {
   const auto* target = static_cast<const Target*>(H5Pget_driver_info(access_list));
   struct stat info {};
@@ -101,7 +110,7 @@ herr_t write_bytes(H5FD_t* base, H5FD_mem_t, hid_t, haddr_t address, std::size_t
   DriverFile& file = self(base);
   const auto* in = static_cast<const std::byte*>(buffer);
   file.end = std::max(file.end, address + size);
-  file.target.log->changes.write(address, address + size);
+  remember_written(file, address, address + size);
   while (size > 0 && file.target.log->error == 0) {
     const ssize_t put = pwrite(file.target.fd, in, size, static_cast<off_t>(address));
     if (put < 0 && errno == EINTR) continue;

@@ -18,6 +18,7 @@ struct Input {
 struct InputFiles::Store {
   std::filesystem::path directory;
   std::map<std::string, Input> inputs;
+  std::vector<std::string> notes;
   bool closed = false;  ///< other files are not read
 };
 

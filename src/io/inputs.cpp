@@ -1,13 +1,10 @@
 #include "io/inputs.h"
 
-#include <xxhash.h>
-
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <vector>
+#include <algorithm>
 
 #include "core/error.h"
+#include "core/read_file.h"
+#include "io/checksum.h"
 #include "io/input_store.h"
 #include "io/source.h"
 
@@ -19,33 +16,10 @@ namespace {
 
 constexpr std::size_t kKept = 16'000'000;  // bytes of one file
 
-std::string read_whole(const fs::path& path, std::uint64_t most) {
-  const std::string name = printable(path.string(), 4096);
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (status.type() == fs::file_type::not_found) throw InputError("{}: no such file", name);
-  if (error) throw InputError("{}: {}", name, error.message());
-  // Only a regular file has an end for certain; opening a pipe would wait for ever.
-  if (!fs::is_regular_file(status)) throw InputError("{}: not a regular file", name);
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw InputError("{}: cannot be read: {}", name, std::strerror(errno));
-  std::string bytes;
-  std::vector<char> block(1 << 20);
-  while (file && bytes.size() <= most) {
-    file.read(block.data(), static_cast<std::streamsize>(block.size()));
-    bytes.append(block.data(), static_cast<std::size_t>(file.gcount()));
-  }
-  if (bytes.size() > most) throw InputError("{}: larger than {} MB", name, most / 1'000'000);
-  if (file.bad()) throw InputError("{}: cannot be read: {}", name, std::strerror(errno));
-  return bytes;
-}
-
 }  // namespace
 
 std::string checksum_of(const std::string& bytes) {
-  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
-  return fmt::format("xxh3-128:{:016x}{:016x}", hash.high64, hash.low64);
+  return "xxh3-128:" + cairn::checksum(bytes);
 }
 
 InputFiles::InputFiles(fs::path directory) : store_(std::make_shared<Store>()) {
@@ -65,7 +39,7 @@ std::string InputFiles::read(const std::string& name, const fs::path& path, std:
   if (kept != store_->inputs.end() && kept->second.whole) return kept->second.bytes;
   if (kept == store_->inputs.end() && store_->closed)
     throw InputError("{}: not among the files that the run was started with", printable(path.string(), 4096));
-  std::string bytes = read_whole(path, most);
+  std::string bytes = read_file(path, printable(path.string(), 4096), {.most = most});
   std::string checksum = checksum_of(bytes);
   if (kept != store_->inputs.end()) {
     if (checksum != kept->second.checksum)
@@ -76,6 +50,15 @@ std::string InputFiles::read(const std::string& name, const fs::path& path, std:
   const bool whole = bytes.size() <= kKept;
   store_->inputs[name] = {std::move(checksum), whole, whole ? bytes : std::string()};
   return bytes;
+}
+
+void InputFiles::note(const std::string& line) const {
+  std::vector<std::string>& notes = store_->notes;
+  if (std::find(notes.begin(), notes.end(), line) == notes.end()) notes.push_back(line);
+}
+
+const std::vector<std::string>& InputFiles::notes() const {
+  return store_->notes;
 }
 
 void InputFiles::reopen() const {

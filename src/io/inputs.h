@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace cairn {
 
@@ -28,6 +29,11 @@ class InputFiles {
 
   /// Where a name leads, for messages.
   std::filesystem::path path_of(const std::string& name) const;
+
+  /// Adds a line on how a file was read, unless it is there already.
+  void note(const std::string& line) const;
+  /// What a user should know of how the files were read, a line each.
+  const std::vector<std::string>& notes() const;
 
   /// Adds the group `inputs` with all that has been read. Of files beyond 16 MB it holds only a checksum.
   void write(ResultFile& file) const;

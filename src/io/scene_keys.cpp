@@ -382,7 +382,8 @@ const Keys<StageSpec> kStageKeys = {
     text("material", &StageSpec::material, kReference,
          "name of a [[material]] that replaces every body's during the stage; absent: none does"),
     flag("contacts", &StageSpec::contacts,
-         "replaces contact.enabled; a stage without contacts forgets those that there were"),
+         "replaces contact.enabled; a stage without contacts forgets those that there were; what their "
+         "springs held counts as dissipated"),
     number("impact_speed", &StageSpec::impact_speed, "m/s", within(0, 3e8),
            "for the automatic stiffness; when absent the pile's escape speed, or a settled pile's contacts "
            "stay as they are"),

@@ -1,11 +1,8 @@
 #include "io/toml_file.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <system_error>
 
+#include "core/read_file.h"
 #include "core/toml_guard.h"
 
 namespace cairn {
@@ -47,22 +44,7 @@ InputError syntax_error(const toml::parse_error& error, const std::string& text,
 }  // namespace
 
 std::string read_text_file(const std::filesystem::path& path) {
-  const std::string name = printable(path.string(), 4096);
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found) throw InputError("{}: no such file", name);
-  if (error) throw InputError("{}: {}", name, error.message());
-  // Only a regular file has an end for certain; opening a pipe would wait for ever.
-  if (!std::filesystem::is_regular_file(status)) throw InputError("{}: not a regular file", name);
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw InputError("{}: cannot be read: {}", name, std::strerror(errno));
-  std::string text(kMaxBytes + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (stream.bad()) throw InputError("{}: cannot be read: {}", name, std::strerror(errno));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (text.size() > kMaxBytes) throw InputError("{}: larger than {} MB", name, kMaxBytes / 1'000'000);
-  return text;
+  return read_file(path, printable(path.string(), 4096), {.most = kMaxBytes});
 }
 
 toml::table parse_toml(const std::string& text, const std::string& file) {

@@ -180,6 +180,9 @@ WallHeritage match_walls(const FormerRun& former, const Scene& scene, const std:
           "are dropped with the {:.3g} J in their springs",
           wall_name(former.scene, ending.number[w]), former.name, lost[w].size(),
           energy_of(laws, state, ending, lost[w])));
+  out.ending.walls = std::move(ending.walls);
+  for (const std::optional<std::uint32_t>& number : same)
+    out.ending.number.push_back(number.value_or(kNoWall));
   return out;
 }
 

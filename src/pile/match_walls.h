@@ -1,6 +1,7 @@
 // What the walls of an earlier run hand on to those of a scene that starts from its pile.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -9,12 +10,15 @@
 
 namespace cairn {
 
+inline constexpr std::uint32_t kNoWall = std::numeric_limits<std::uint32_t>::max();
+
 /// Springs, and how far moving walls have come.
 struct WallHeritage {
   std::vector<WallContact> contacts;  ///< by the walls' numbers in the scene, in the order of
                                       ///< Walls::contacts, as leave_stiffness leaves them
   std::vector<double> lead;           ///< s, of each wall of the scene, that it has moved before, see State
   DrivenWalls driven;                 ///< of each wall of the scene
+  Walls ending;  ///< of the former run at its end, `number`: in the scene, kNoWall: not there
   std::vector<std::string> notes;     ///< what goes on, in a line each
   std::vector<std::string> warnings;  ///< what is lost, in a line each
 };

@@ -16,17 +16,6 @@ namespace cairn {
 
 namespace {
 
-/// What a damaged or edited file could get wrong; errors lack the file's name.
-void check_pile(const State& state, std::size_t materials, const std::optional<Scene>& former,
-                const ContactColumns& contacts) {
-  check_motion(state.bodies, former ? std::min(materials, former->materials.size()) : materials);
-  if (former && state.clock.stage >= former->stages.size())
-    throw InputError("checkpoint/clock/stage: expected one of the scene's");
-  check_contacts(contacts, state.bodies);
-  if (!(state.box.edge.minCoeff() >= 0.0 && state.k_n >= 0.0 && state.region_volume >= 0.0))
-    throw InputError("checkpoint: box, stiffness, region_volume: expected 0 or more");
-}
-
 /// The scene of the run, with the files that it was started with; nothing when it is not to be understood.
 std::optional<Scene> former_scene(const ResultFile& file, std::string& why) {
   try {
@@ -70,17 +59,12 @@ std::vector<std::uint16_t> match_materials(const std::vector<std::string>& names
   return numbers;
 }
 
-/// The laws of the last stage that took time, whose contacts then are as leave_stiffness leaves them; none:
-/// there was none.
-std::optional<Physics> leave_pile(const Scene& scene, const State& state,
-                                  std::vector<ContactRecord>& contacts) {
+/// The last stage of a run that took time; none: there was none.
+std::optional<FormerStage> last_stage(const Scene& scene, const State& state) {
   std::size_t last = state.clock.stage;
   while (last > 0 && scene.stages[last].operates()) --last;
   if (scene.stages[last].operates()) return {};
-  Physics laws = resolve_laws(scene, last, state.bodies, state.k_n);
-  std::vector<WallContact> none;
-  if (state.clock.steps > 0) leave_stiffness(laws, state.bodies, contacts, none);
-  return laws;
+  return FormerStage{resolve_laws(scene, last, state.bodies, state.k_n), {}, last == state.clock.stage};
 }
 
 /// Which of the checkpoint's fields make a pile, whatever version of the program has made it, and how.
@@ -112,25 +96,23 @@ Setup read_pile(const std::filesystem::path& path, const Scene& scene, const std
   read_restraints(file, state.bodies, setup.held, setup.wall_sets);
   const FieldTable fields = pile_fields(file, checkpoint_fields(state, contacts.table(), touching));
   file.read_checkpoint(fields);
-  if (const std::string what = not_finite(fields); !what.empty())
-    throw InputError("{}: checkpoint/{}: not finite", path.string(), what);
   std::string why;
   const std::optional<Scene> former = former_scene(file, why);
   setup.frame = state.frame;
   setup.frame.position += state.clock.time() * state.frame.velocity;
-  const auto naming_file = [&](auto&& work) {
-    try {
-      work();
-    } catch (const InputError& error) {
-      throw InputError("{}: {}", path.string(), error.what());
-    }
-  };
-  naming_file([&] { check_pile(state, names.size(), former, contacts); });
+  const auto naming_file = [&](auto&& work) { naming(path.string(), work); };
+  const std::size_t materials = former ? std::min(names.size(), former->materials.size()) : names.size();
+  naming_file([&] { check_pile(state, materials, contacts, fields); });
   place_spheres(state.bodies);
   setup.contacts = contacts.records();
   if (former) {
-    setup.laws = leave_pile(*former, state, setup.contacts);
     naming_file([&] {
+      if (state.clock.stage >= former->stages.size())
+        throw InputError("checkpoint: clock/stage: expected a stage of its scene");
+      setup.former = last_stage(*former, state);
+      std::vector<WallContact> none;
+      if (setup.former && state.clock.steps > 0)
+        leave_stiffness(setup.former->physics, state.bodies, setup.contacts, none);
       WallHeritage heritage = match_walls(
           {path.string(), *former, state, touching.contacts()}, scene, walls,
           {setup.frame.position - scene.frame.position, setup.frame.velocity - scene.frame.velocity});
@@ -139,6 +121,10 @@ Setup read_pile(const std::filesystem::path& path, const Scene& scene, const std
       setup.driven = std::move(heritage.driven);
       setup.notes = std::move(heritage.notes);
       setup.warnings = std::move(heritage.warnings);
+      if (!setup.former) return;
+      const Physics& laws = setup.former->physics;
+      setup.former->walls = std::move(heritage.ending);
+      setup.former->walls.set_laws(laws.materials, laws.wall_materials, state.k_n);
     });
   } else if (!touching.sphere.empty()) {
     setup.warnings.push_back(

@@ -49,7 +49,9 @@ Region::Region(const RegionSpec& spec, const InputFiles& files) : spec_(spec) {
     case RegionKind::mesh:
       break;
   }
-  SolidMesh solid = parse_solid(files.read(spec.file), files.path_of(spec.file), spec.unit);
+  const std::filesystem::path path = files.path_of(spec.file);
+  SolidMesh solid = parse_solid(files.read(spec.file), path, spec.unit);
+  for (const std::string& note : solid.notes) files.note(path.string() + ": " + note);
   if (spec.frame != MeshFrame::file) {
     const MassProperties mass = mass_of(solid.surface);
     if (spec.frame == MeshFrame::principal)

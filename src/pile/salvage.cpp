@@ -47,13 +47,7 @@ Rescued read(const ResultFile& file, std::size_t k) {
 void write(Rescued& rescued, RunAttributes& attributes, const std::filesystem::path& output, bool overwrite) {
   ResultFile result = ResultFile::create(output, attributes.table(), overwrite);
   State& state = rescued.state;
-  result.write_static("bodies", body_constants(state.bodies));
-  result.write_static("spheres", sphere_constants(state.bodies));
-  result.write_static("shapes", {{"name", "", "library name or path", &rescued.shapes}});
-  result.write_static("materials", {{"name", "", "as in the scene", &rescued.materials}});
-  result.write_static("frame",
-                      {{"position", "m", "zero of all positions, at time 0", &state.frame.position},
-                       {"velocity", "m/s", "of the zero: add it to velocities", &state.frame.velocity}});
+  write_constants(result, state, rescued.shapes, rescued.materials);
   result.declare_series(series_columns());
   ContactColumns contacts;
   WallColumns walls;

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
 
 #include "core/error.h"
+#include "core/read_file.h"
 #include "core/safe_file.h"
 #include "core/suggest.h"
 #include "shape/mesh.h"
@@ -18,26 +18,6 @@ namespace fs = std::filesystem;
 fs::path library_directory() {
   const char* chosen = std::getenv("CAIRN_SHAPES");
   return chosen && *chosen ? chosen : CAIRN_SHAPES_DIR;
-}
-
-// The whole of a regular file: anything else (a directory, a pipe) might never end.
-std::string read_text(const fs::path& path) {
-  constexpr std::size_t most = std::size_t{64} << 20;
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (!fs::exists(status)) throw InputError("{}: expected a shape file, found none", path.string());
-  if (!fs::is_regular_file(status))
-    throw InputError("{}: expected a shape file, not a directory or device", path.string());
-  std::ifstream file(path, std::ios::binary);
-  std::string text;
-  std::vector<char> chunk(1 << 16);
-  while (file && text.size() <= most) {
-    file.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
-    text.append(chunk.data(), static_cast<std::size_t>(file.gcount()));
-  }
-  if (text.size() > most) throw InputError("{}: expected a shape file of at most 64 MB", path.string());
-  if (!file.eof()) throw InputError("{}: cannot be read", path.string());
-  return text;
 }
 
 // Where a shape is expected, users name the mesh that they would like to be one.
@@ -85,7 +65,8 @@ fs::path shape_path(const std::string& name_or_path, const fs::path& base) {
 
 Shape load_shape(const std::string& name_or_path, const fs::path& base) {
   const fs::path path = shape_path(name_or_path, base);
-  return parse_shape(read_text(path), path.string());
+  return parse_shape(read_file(path, path.string(), {.what = "shape file", .most = 64'000'000}),
+                     path.string());
 }
 
 void save_shape(const Shape& shape, const fs::path& path, bool overwrite) {

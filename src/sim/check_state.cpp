@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "core/error.h"
+#include "sim/spin_control.h"
 
 namespace cairn {
 namespace {
@@ -100,6 +101,18 @@ void check_contacts(const ContactColumns& contacts, const Bodies& bodies) {
   }
 }
 
+void check_pile(const State& state, std::size_t materials, const ContactColumns& contacts,
+                const FieldTable& fields) {
+  check_motion(state.bodies, materials);
+  check_contacts(contacts, state.bodies);
+  require(state.box.edge.minCoeff() >= 0.0 && state.box.edge.maxCoeff() <= kWidestBox,
+          "box/edge: expected 0 or more");
+  require(state.region_volume >= 0.0, "region_volume: expected 0 or more");
+  require(state.k_n >= 0.0, "stiffness: expected 0 or more");
+  if (const std::string what = not_finite(fields); !what.empty())
+    throw InputError("checkpoint/{}: not finite", what);
+}
+
 void check_checkpoint(const State& state, std::size_t stages, std::size_t walls) {
   const std::size_t n = state.bodies.size();
   const WallLoads& loads = state.walls.loads;
@@ -123,24 +136,27 @@ void check_checkpoint(const State& state, std::size_t stages, std::size_t walls)
   require(state.remnant.size() == n && std::ranges::all_of(state.remnant, [](auto m) { return m <= 1; }) &&
               std::ranges::count(state.remnant, 1) > 0,
           "remnant: expected 0 or 1 for each body, 1 at least once");
-  require(state.box.edge.minCoeff() >= 0.0 && state.box.edge.maxCoeff() <= kWidestBox,
-          "box/edge: expected 0 or more");
   require(state.strain.start.minCoeff() >= 0.0 && state.strain.until >= 0.0, "strain: expected 0 or more");
-  require(state.region_volume >= 0.0, "region_volume: expected 0 or more");
-  require(state.k_n >= 0.0, "stiffness: expected 0 or more");
   const Ledger& ledger = state.ledger;
   require(ledger.largest_overlap >= 0.0 && ledger.recent_overlap >= 0.0, "ledger: a negative overlap");
 }
 
-void check_stage(const State& state, std::uint64_t steps, double dt, bool gravity) {
+void check_stage(const State& state, const Physics& physics) {
   const Clock& clock = state.clock;
   require(
-      clock.steps == steps && clock.dt == dt,
+      clock.steps == physics.steps && clock.dt == physics.contacts.dt,
       "clock/steps, clock/dt: expected those of the stage that the run is in; only later stages of a scene "
       "can be edited");
   const gravity::HeldGravity& held = state.gravity;
-  require(!gravity || (held.steps > 0 && held.due >= clock.step && held.due - clock.step <= held.steps),
+  require(physics.gravity == GravityMethod::none ||
+              (held.steps > 0 && held.due >= clock.step && held.due - clock.step <= held.steps),
           "gravity/due: expected a step of the present interval");
+  const std::uint64_t check = state.control.next_check;
+  require(!physics.spin || !state.control.active ||
+              (check > clock.step && check - clock.step <= longest_check(physics)),
+          "control/next_check: expected a step before the pile has been left alone for too long");
+  require(state.relaxation.pile.empty() != physics.relax.has_value(),
+          "relaxation/pile: expected in stages that relax, and only there");
 }
 
 void require_documented(const std::vector<SeriesColumn>& columns, std::span<const double> row, double time) {

@@ -6,6 +6,7 @@
 #include "io/fields.h"
 #include "io/results.h"
 #include "sim/fields.h"
+#include "sim/physics.h"
 #include "sim/state.h"
 
 namespace cairn {
@@ -19,15 +20,20 @@ void check_motion(const Bodies& bodies, std::size_t materials);
 /// @throws InputError naming the spheres.
 void check_contacts(const ContactColumns& contacts, const Bodies& bodies);
 
+/// What makes a pile of a checkpoint: motion and contacts as above, its box, its stiffness, and nothing in
+/// `fields` that is not finite.
+/// @throws InputError naming what does not fit.
+void check_pile(const State& state, std::size_t materials, const ContactColumns& contacts,
+                const FieldTable& fields);
+
 /// Everything else of a checkpoint from which a run of so many stages and walls is to go on; contacts with
 /// walls are left to these.
 /// @throws InputError naming what does not fit.
 void check_checkpoint(const State& state, std::size_t stages, std::size_t walls);
 
-/// Whether the clock is that of the stage it is in, which has so many steps of `dt` (s), with self-gravity or
-/// without.
+/// Whether clock, gravity, spin control and relaxation are those of the stage that the run is in.
 /// @throws InputError naming what does not fit.
-void check_stage(const State& state, std::uint64_t steps, double dt, bool gravity);
+void check_stage(const State& state, const Physics& physics);
 
 /// @throws UnstableError with quantity, body and time (s) when a number of the table is not finite.
 void require_finite(const FieldTable& table, double time);

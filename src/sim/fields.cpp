@@ -265,6 +265,21 @@ FieldTable checkpoint_fields(State& s, const FieldTable& contacts, WallColumns& 
   return table;
 }
 
+void write_bodies(ResultFile& file, Bodies& bodies, const std::string& suffix) {
+  file.write_static("bodies" + suffix, body_constants(bodies));
+  file.write_static("spheres" + suffix, sphere_constants(bodies));
+}
+
+void write_constants(ResultFile& file, State& state, std::vector<std::string>& shapes,
+                     std::vector<std::string>& materials) {
+  write_bodies(file, state.bodies);
+  file.write_static("shapes", {{"name", "", "library name or path", &shapes}});
+  file.write_static("materials", {{"name", "", "as in the scene", &materials}});
+  file.write_static("frame",
+                    {{"position", "m", "zero of all positions, at time 0", &state.frame.position},
+                     {"velocity", "m/s", "of the zero: add it to velocities", &state.frame.velocity}});
+}
+
 void read_constants(const ResultFile& file, Bodies& b, std::vector<std::string>& shapes) {
   read_constants(file, b, shapes, std::numeric_limits<std::uint64_t>::max());
 }

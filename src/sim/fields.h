@@ -53,6 +53,12 @@ FieldTable motion_fields(Bodies& bodies);
 /// The whole state but for constants, with these fields of contacts.
 FieldTable checkpoint_fields(State& state, const FieldTable& contacts, WallColumns& walls);
 
+/// Writes the constants of bodies and spheres; `suffix` tells those of a former epoch.
+void write_bodies(ResultFile& file, Bodies& bodies, const std::string& suffix = "");
+/// The same with all else that their numbers refer to: names of shapes and materials, the frame.
+void write_constants(ResultFile& file, State& state, std::vector<std::string>& shapes,
+                     std::vector<std::string>& materials);
+
 /// Reads the constants of bodies and spheres, those that they have now or had in an earlier epoch, and the
 /// names of their shapes, checks that they fit together, and makes room for what is derived from them.
 /// @throws InputError naming the file and what does not fit.

@@ -22,7 +22,10 @@ WallMesh load_surface(const Scene& scene, std::size_t k) {
   const WallSpec& wall = scene.walls[k];
   try {
     const std::filesystem::path path = scene.files.path_of(wall.file);
-    TriangleMesh mesh = parse_mesh(scene.files.read(wall.file), mesh_kind(path), path.string(), wall.unit);
+    Welding reading;
+    TriangleMesh mesh =
+        parse_mesh(scene.files.read(wall.file), mesh_kind(path), path.string(), wall.unit, &reading);
+    for (const std::string& note : reading.notes) scene.files.note(path.string() + ": " + note);
     for (Vec3& x : mesh.vertices) x += wall.point;
     return std::make_shared<const MeshSurface>(std::move(mesh));
   } catch (const InputError& error) {

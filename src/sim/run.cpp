@@ -67,7 +67,7 @@ Run::Run(Scene scene, Setup setup, ResultFile results, Operation operation)
   write_restraints(results_, setup.held, setup.wall_sets);
   const std::vector<std::string> wall_sets = setup.wall_sets;
   inherited_ = std::move(setup.contacts);
-  if (!scene_.stages[0].operates()) pile_laws_ = std::move(setup.laws);
+  if (!scene_.stages[0].operates()) former_ = std::move(setup.former);
   state_ = first_state(std::move(setup));
   prepare_bodies();
   walls_ = make_walls(scene_);
@@ -80,14 +80,9 @@ Run::Run(Scene scene, Setup setup, ResultFile results, Operation operation)
   state_.ledger.start_momentum = total.momentum;
   state_.ledger.start_angular_momentum = total.angular_momentum_about_center;
 
-  write_bodies("");
   std::vector<std::string> materials;
   for (const Material& m : scene_.materials) materials.push_back(m.name);
-  results_.write_static("shapes", {{"name", "", "library name or path", &shapes_}});
-  results_.write_static("materials", {{"name", "", "as in the scene", &materials}});
-  results_.write_static("frame",
-                        {{"position", "m", "zero of all positions, at time 0", &state_.frame.position},
-                         {"velocity", "m/s", "of the zero: add it to velocities", &state_.frame.velocity}});
+  write_constants(results_, state_, shapes_, materials);
   scene_.files.write(results_);
   results_.declare_series(run_columns(scene_));
 }
@@ -100,11 +95,6 @@ void Run::check_stages(std::size_t first) const {
     held = resolve_stiffness(scene_, k, state_.bodies, walls_of_stage(scene_, k, walls_), held).k_n;
     resolve_physics(scene_, k, state_.bodies, held);
   }
-}
-
-void Run::write_bodies(const std::string& suffix) {
-  results_.write_static("bodies" + suffix, body_constants(state_.bodies));
-  results_.write_static("spheres" + suffix, sphere_constants(state_.bodies));
 }
 
 std::vector<std::string> Run::warnings() const {
@@ -148,11 +138,8 @@ Run Run::load(const std::filesystem::path& path, Operation operation) {
   run.results_.read_checkpoint(fields);
   state.held.list(state.bodies);
   naming(path.string(), [&] {
-    check_motion(state.bodies, run.scene_.materials.size());
-    check_contacts(contacts, state.bodies);
+    check_pile(state, run.scene_.materials.size(), contacts, fields);
     check_checkpoint(state, run.scene_.stages.size(), run.scene_.walls.size());
-    if (const std::string what = not_finite(fields); !what.empty())
-      throw InputError("checkpoint/{}: not finite", what);
   });
   run.results_.declare_series(run_columns(run.scene_));
   run.prepare_bodies();
@@ -173,10 +160,7 @@ Run Run::load(const std::filesystem::path& path, Operation operation) {
   if (state.clock.steps > 0) {  // within a stage; otherwise it is about to begin
     set_walls(run.scene_, state.clock.stage, run.walls_, state.stage_starts, state.walls);
     run.physics_ = resolve_physics(run.scene_, state.clock.stage, state.bodies, state.k_n, state.clock.dt);
-    naming(path.string(), [&] {
-      check_stage(state, run.physics_.steps, run.physics_.contacts.dt,
-                  run.physics_.gravity != GravityMethod::none);
-    });
+    naming(path.string(), [&] { check_stage(state, run.physics_); });
     prepare_scratch(run.physics_, state, run.scratch_);
     state.contacts.restore(std::exchange(run.inherited_, {}));
   }
@@ -202,7 +186,7 @@ void Run::rebase() {
 
 std::string Run::operate() {
   if (!operation_) throw std::logic_error("this run has no operations");
-  write_bodies(fmt::format("_{}", epoch_));
+  write_bodies(results_, state_.bodies, fmt::format("_{}", epoch_));
   std::string what = operation_(scene_, state_.clock.stage, state_, inherited_);
   ++epoch_;
   const PhaseTimes times = scratch_.times;
@@ -212,7 +196,7 @@ std::string Run::operate() {
   state_.remnant.assign(state_.bodies.size(), 1);
   state_.ledger.rebase = true;
   prepare_bodies();
-  write_bodies("");
+  write_bodies(results_, state_.bodies);
   observe_remnant(state_, link_gap_, last_);
   add_snapshot();
   return what;
@@ -231,14 +215,15 @@ StageReport Run::end_stage(std::string what, double seconds) {
 
 void Run::start_stage() {
   Clock& clock = state_.clock;
+  std::optional<FormerStage> former = former_stage(scene_, clock.stage, state_, walls_);
+  if (former) state_.ledger.dissipated += forgotten_energy(scene_, clock.stage, *former, state_, inherited_);
+  if (!former) former = std::exchange(former_, {});
   set_walls(scene_, clock.stage, walls_, state_.stage_starts, state_.walls);
   const Stiffness chosen =
       resolve_stiffness(scene_, clock.stage, state_.bodies, state_.walls.walls, state_.k_n);
   physics_ = resolve_physics(scene_, clock.stage, state_.bodies, chosen.k_n);
-  const std::optional<FormerStage> former = former_stage(scene_, clock.stage, state_, walls_);
-  const std::optional<Physics> of_pile = std::exchange(pile_laws_, {});
-  const Physics* laws = former ? &former->physics : of_pile ? &*of_pile : nullptr;
-  const HeldBefore held = held_before(scene_, clock.stage, physics_, state_, inherited_, laws);
+  const HeldBefore held =
+      held_before(scene_, clock.stage, physics_, state_, inherited_, former ? &former->physics : nullptr);
   begin_stage(physics_, std::exchange(inherited_, {}), state_, scratch_, former ? &*former : nullptr);
   clock.steps = physics_.steps;
   clock.dt = physics_.contacts.dt;

@@ -82,7 +82,6 @@ class Run {
   std::string operate();
   std::string follow();
   void leave_stage();
-  void write_bodies(const std::string& suffix);
   void begin();
   void rebase();
   StageReport end_stage(std::string what, double seconds);
@@ -100,7 +99,7 @@ class Run {
   Sidecar sidecar_;
   std::vector<std::string> shapes_;
   std::vector<ContactRecord> inherited_;  ///< contacts between two stages
-  std::optional<Physics> pile_laws_;      ///< that contacts of a pile from a file obeyed there
+  std::optional<FormerStage> former_;     ///< of the pile that the run starts from
   std::vector<Wall> walls_;               ///< of the scene
   StageColumns stages_done_;
   Operation operation_;

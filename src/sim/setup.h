@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/physics.h"
+#include "sim/former_stage.h"
 
 namespace cairn {
 
@@ -24,7 +24,7 @@ struct Setup {
   DrivenWalls driven;                      ///< of the scene, as the pile's file has left them
   double region_volume = 0.0;              ///< m^3, see State
   double k_n = 0.0;                        ///< N/m, stiffness those contacts had; 0: none
-  std::optional<Physics> laws;             ///< that they obeyed, when known
+  std::optional<FormerStage> former;       ///< whose contacts those were, if that is known
   std::vector<std::string> notes;          ///< on what is taken over from the file, in a line each
   std::vector<std::string> warnings;       ///< and on what is not
 };

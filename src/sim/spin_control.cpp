@@ -57,11 +57,16 @@ double time_of_change(const std::vector<SpinPoint>& path, double t, double most)
   return reaches(t + most).value_or(most);
 }
 
+/// Time (s) between two looks at the pile, at most.
+double longest_interval(const Physics& physics) {
+  return physics.spin->check_interval.value_or(physics.fall_time / 20.0);
+}
+
 std::uint64_t steps_to_check(const Physics& physics, double stage_time) {
-  const double most = physics.fall_time / 20.0;
-  const double interval =
-      physics.spin->check_interval.value_or(time_of_change(physics.spin->path, stage_time, most));
-  return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(interval / physics.contacts.dt));
+  const double interval = physics.spin->check_interval.value_or(
+      time_of_change(physics.spin->path, stage_time, longest_interval(physics)));
+  return std::clamp<std::uint64_t>(static_cast<std::uint64_t>(interval / physics.contacts.dt), 1,
+                                   longest_check(physics));
 }
 
 /// Sets the reference, or judges against it.
@@ -109,6 +114,11 @@ double hours(double seconds) {
 }
 
 }  // namespace
+
+std::uint64_t longest_check(const Physics& physics) {
+  return std::max<std::uint64_t>(1,
+                                 static_cast<std::uint64_t>(longest_interval(physics) / physics.contacts.dt));
+}
 
 double target_period(const Physics& physics, const Control& control, double stage_time) {
   if (!physics.spin) return std::numeric_limits<double>::quiet_NaN();

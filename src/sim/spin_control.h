@@ -14,6 +14,9 @@ namespace cairn {
 /// path.
 double target_period(const Physics& physics, const Control& control, double stage_time);
 
+/// Steps from one look at the pile to the next, at most; the stage has a path.
+std::uint64_t longest_check(const Physics& physics);
+
 /// Begins control with the stage, or ends that of the stage before.
 void begin_control(const Physics& physics, State& state);
 

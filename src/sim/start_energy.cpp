@@ -7,6 +7,7 @@
 
 #include "contact/law/law.h"
 #include "core/parallel.h"
+#include "sim/make_walls.h"
 #include "sim/relax.h"
 #include "sim/springs.h"
 
@@ -44,6 +45,31 @@ bool in_balance(const Scene& scene, std::size_t index) {
   return true;
 }
 
+/// Energy (J), at the places now, of contacts between bodies that were left at stiffness `k_n` (N/m).
+double pair_energy(const SweepSettings& law, double k_n, const State& state,
+                   const std::vector<ContactRecord>& contacts) {
+  const Bodies& bodies = state.bodies;
+  return with_features(law.features, [&]<Features F>() {
+    return parallel_sum(contacts.size(), 0.0, [&](std::size_t k) {
+      const ContactRecord& c = contacts[k];
+      const PairLaw& pair = law.law(bodies, {c.i, c.j});
+      ContactMemory<double> memory = c.memory;
+      enter_stiffness(pair, k_n, memory);
+      const double ri = bodies.spheres.radius[c.i], rj = bodies.spheres.radius[c.j];
+      return stored_energy<F>(LawConstants<double>(pair), overlap(state, c.i, c.j), ri * rj / (ri + rj),
+                              memory);
+    });
+  });
+}
+
+/// The same of contacts with walls, which the laws know by these numbers.
+double wall_energy(const Physics& laws, Walls walls, const State& state) {
+  std::vector<ContactRecord> none;
+  enter_stiffness(laws, state.bodies, state.k_n, none, walls.contacts);
+  walls.set_laws(laws.materials, laws.wall_materials, laws.k_n);
+  return walls.stored_energy(state.bodies, laws.contacts, state.clock.time());
+}
+
 }  // namespace
 
 double StartEnergy::ratio() const {
@@ -56,29 +82,32 @@ HeldBefore held_before(const Scene& scene, std::size_t index, const Physics& phy
                        const std::vector<ContactRecord>& contacts, const Physics* former) {
   HeldBefore out;
   if (!(state.k_n > 0.0) || !physics.can_touch) return out;
-  const Bodies& bodies = state.bodies;
-  Physics law = former && former->can_touch ? *former : resolve_laws(scene, index, bodies, state.k_n);
+  Physics law = former && former->can_touch ? *former : resolve_laws(scene, index, state.bodies, state.k_n);
   law.wall_materials = physics.wall_materials;  // the state has the walls of the stage that begins
   if (!(contacts.empty() && state.walls.contacts.empty()) && in_balance(scene, index)) {
-    out.energy = with_features(law.contacts.features, [&]<Features F>() {
-      return parallel_sum(contacts.size(), 0.0, [&](std::size_t k) {
-        const ContactRecord& c = contacts[k];
-        const PairLaw& pair = law.contacts.law(bodies, {c.i, c.j});
-        ContactMemory<double> memory = c.memory;
-        enter_stiffness(pair, state.k_n, memory);
-        const double ri = bodies.spheres.radius[c.i], rj = bodies.spheres.radius[c.j];
-        return stored_energy<F>(LawConstants<double>(pair), overlap(state, c.i, c.j), ri * rj / (ri + rj),
-                                memory);
-      });
-    });
-    Walls walls = state.walls;
-    std::vector<ContactRecord> none;
-    enter_stiffness(law, bodies, state.k_n, none, walls.contacts);
-    walls.set_laws(law.materials, law.wall_materials, law.k_n);
-    out.energy += walls.stored_energy(bodies, law.contacts, state.clock.time());
+    out.energy = pair_energy(law.contacts, state.k_n, state, contacts);
+    if (!state.walls.contacts.empty()) out.energy += wall_energy(law, state.walls, state);
   }
   out.contacts = std::move(law.contacts);
   return out;
+}
+
+double forgotten_energy(const Scene& scene, std::size_t index, const FormerStage& former, const State& state,
+                        const std::vector<ContactRecord>& contacts) {
+  if (!(state.k_n > 0.0) || !former.physics.can_touch || !in_balance(scene, index)) return 0.0;
+  Walls forgotten = former.walls;
+  forgotten.driven = state.walls.driven;
+  forgotten.contacts.clear();
+  for (WallContact c : state.walls.contacts) {
+    const auto acted = std::ranges::find(forgotten.number, c.wall);
+    if (has_wall(scene, index, c.wall) || acted == forgotten.number.end()) continue;
+    c.wall = static_cast<std::uint32_t>(acted - forgotten.number.begin());
+    forgotten.contacts.push_back(c);
+  }
+  double energy = forgotten.contacts.empty() ? 0.0 : wall_energy(former.physics, forgotten, state);
+  if (!can_touch(scene, index, state.bodies))
+    energy += pair_energy(former.physics.contacts, state.k_n, state, contacts);
+  return energy;
 }
 
 StartEnergy start_energy(const Physics& physics, const State& state, const Observation& observation,

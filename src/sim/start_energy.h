@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/former_stage.h"
 #include "sim/observe.h"
 #include "sim/physics.h"
 #include "sim/state.h"
@@ -40,6 +41,13 @@ struct HeldBefore {
 /// stiffness of then.
 HeldBefore held_before(const Scene& scene, std::size_t index, const Physics& physics, const State& state,
                        const std::vector<ContactRecord>& contacts, const Physics* former);
+
+/// Energy (J) in the springs that stage `index` forgets: those on walls that it lacks, all of them where it
+/// has no contacts; 0 for bodies changed since the stage `former`. `state` is as before set_walls, its
+/// contacts with walls by the numbers of these in the scene; all contacts are as leave_stiffness has left
+/// them.
+double forgotten_energy(const Scene& scene, std::size_t index, const FormerStage& former, const State& state,
+                        const std::vector<ContactRecord>& contacts);
 
 /// What is beyond that `held` before, compared with the gravitational energy, or where there is no
 /// self-gravity with the energy of the motion in the pile or the work of the field over a radius, the larger

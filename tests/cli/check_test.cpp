@@ -55,6 +55,42 @@ TEST(Check, TellsTheEnergyOfOverlapsAndOffersToRelax) {
   EXPECT_EQ(series(folder / "relax.h5", "shed_bodies").back(), 0.0);
 }
 
+TEST(Check, TellsHowMeshesWereRead) {
+  const Folder folder;
+  folder.write("fill.obj",
+               "v -20 -20 -20\nv 30 -20 -20\nv -20 30 -20\nv -20 -20 30\n"
+               "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\nl 1 2\nl 1 3\n");
+  folder.write("floor.obj", "v -90 -90 0\nv 90 -90 0\nv 90 90 0\nv -90 90 0\nf 1 2 3 4\np 1\n");
+  folder.write("go.toml", R"(
+[[lattice]]
+kind = "sc"
+size = 1
+density = 2000
+spacing = 6
+region = { kind = "mesh", file = "fill.obj" }
+[[wall]]
+kind = "mesh"
+file = "floor.obj"
+point = [0, 0, -30]
+[contact]
+stiffness = 1e7
+[gravity]
+method = "none"
+field = [0, 0, -1]
+[[stage]]
+name = "go"
+duration = 0.01
+)");
+  const Outcome check = cairn(folder, {"check", "go.toml"}), run = cairn(folder, {"run", "go.toml"});
+  EXPECT_TRUE(succeeded(check));
+  EXPECT_TRUE(succeeded(run));
+  for (const char* word :
+       {"fill.obj: left out 2 lines and points", "floor.obj: left out 1 lines and points"}) {
+    EXPECT_TRUE(contains(check.out, word)) << check.out;
+    EXPECT_TRUE(contains(run.err, word)) << run.err;
+  }
+}
+
 TEST(Check, NamesThePairsThatSetStiffnessAndTimeStep) {
   const Folder folder;
   folder.write("fall.toml", R"(

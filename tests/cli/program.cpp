@@ -49,10 +49,6 @@ namespace {
     const rlimit limit{*with.file_size_limit, *with.file_size_limit};
     if (setrlimit(RLIMIT_FSIZE, &limit) != 0) _exit(126);
   }
-  if (with.seconds) {
-    const rlimit limit{*with.seconds, *with.seconds};
-    if (setrlimit(RLIMIT_CPU, &limit) != 0) _exit(126);
-  }
   std::vector<char*> argv{const_cast<char*>("cairn")};
   for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);

@@ -35,7 +35,6 @@ struct Circumstances {
   std::vector<int> closed = {};                       ///< of the descriptors 0, 1 and 2
   std::filesystem::path out = ".out";                 ///< where stdout goes
   std::map<std::string, std::string> environment = {};
-  std::optional<unsigned> seconds = {};  ///< of processor time, RLIMIT_CPU
 };
 
 /// Runs `cairn ARGUMENTS` to its end, with the folder as the working directory.

@@ -22,6 +22,40 @@ Vec3 tangential(const Vec3& u, const Vec3& n) {
   return u - u.dot(n) * n;
 }
 
+/// At most `limit` long.
+Vec3 cut(const Vec3& v, double limit) {
+  return v.norm() > limit ? Vec3(limit / v.norm() * v) : v;
+}
+
+/// `slide` made tangential at unchanged length.
+Vec3 laid_flat(const Vec3& slide, const Vec3& n) {
+  const Vec3 flat = tangential(slide, n);
+  return flat.norm() > 0.0 ? Vec3(slide.norm() / flat.norm() * flat) : flat;
+}
+
+/// The spring after the slider has shortened it: one at its limit turns towards the rate meanwhile.
+Vec3 shortened(const Vec3& stretch, double most, const Vec3& rate, double dt) {
+  if (!(stretch.norm() > most)) return stretch;
+  const double over = 1.0 - most / stretch.norm();
+  if (over <= 1e-6) return cut(stretch, most);
+  return cut(stretch + 0.5 * over * (1.0 + over + over * over) * dt * rate, most);
+}
+
+/// Speed of separation over a way that begins at one speed and on which an energy is gained beside what the
+/// dashpot takes: the mean of the speeds at both ends, which makes impulse times mean speed the work done.
+double mean_speed(double mass, double c_n, double speed, double way, double gain) {
+  const double free = 2.0 * mass * speed - c_n * way, square = free * free + 8.0 * mass * gain;
+  return square >= 0.0 ? std::max(0.0, 0.25 * (free + std::sqrt(square)) / mass) : 0.0;
+}
+
+/// Energy of the spring as leapfrog keeps it, and the ratio of speeds outside and inside the contact.
+double held_energy(double mass, double k_n, double overlap, double dt) {
+  return 0.5 * k_n * overlap * overlap * (1.0 - 0.25 * dt * dt * k_n / mass);
+}
+double speed_ratio(double mass, double k_n, double dt) {
+  return std::sqrt(1.0 + dt * dt * k_n / (6.0 * mass));
+}
+
 }  // namespace
 
 /// Turns a body over dt; its mean spin.
@@ -119,10 +153,11 @@ void Collision::meet(const Pair& pair, const std::vector<Motion>& motion, double
 
   const auto [at, fresh] = touching_.try_emplace({pair.i, pair.j});
   Memory& memory = at->second;
-  if (fresh) set_damping(pair, pair.arm_i + lever_i * n, pair.arm_j - lever_j * n, n, memory);
+  const Vec3 point_i = pair.arm_i + lever_i * n, point_j = pair.arm_j - lever_j * n;
+  if (fresh) set_damping(pair, point_i, point_j, n, memory);
   double age = dt;
-  if (fresh && use_.partial_steps && centres_mid.dot(n_mid) != 0.0)
-    age = std::min(dt, overlap / std::abs(centres_mid.dot(n_mid)));
+  if (fresh && use_.partial_steps && centres_mid.dot(n_mid) < 0.0)
+    age = std::min(dt, -overlap / centres_mid.dot(n_mid));
 
   const double push = law_.k_n * overlap - memory.c_n * u.dot(n);
   const Vec3 u_t = tangential(u, n);
@@ -135,10 +170,7 @@ void Collision::meet(const Pair& pair, const std::vector<Motion>& motion, double
       const Vec3 mean = 0.5 * (ma.w_mid + mb.w_mid);
       const double half = std::atan(0.5 * age * mean.norm());  // w_mid is (2 / dt) tan(angle / 2)
       const Quat turned(Eigen::AngleAxisd(half, mean.norm() > 0.0 ? mean.normalized() : Vec3::UnitX()));
-      slide = turned * (turned * slide + age * rate);
-      const double length = slide.norm();
-      slide = tangential(slide, n);
-      if (slide.norm() > 0.0) slide *= length / slide.norm();
+      slide = laid_flat(turned * (turned * slide + age * rate), n);
     } else {
       const Vec3 rate =
           tangential(relative(ma.v_mid, ma.w_mid, pair.arm_i, mb.v_mid, mb.w_mid, pair.arm_j, d), n);
@@ -146,9 +178,10 @@ void Collision::meet(const Pair& pair, const std::vector<Motion>& motion, double
     }
     if (use_.spring_cut_first) {
       const double limit = law_.friction * std::max(push, 0.0);
-      if (law_.k_s * slide.norm() > limit) slide *= limit / (law_.k_s * slide.norm());
-      friction = law_.k_s * slide + memory.c_s * u_t;
-      if (friction.norm() > limit) friction *= limit / friction.norm();
+      const Vec3 along = tangential(
+          relative(ma.v_mid, ma.w_mid, pair.arm_i_mid, mb.v_mid, mb.w_mid, pair.arm_j_mid, d_mid), n_mid);
+      slide = shortened(slide, limit / law_.k_s, tangential(along, n), age);
+      friction = cut(law_.k_s * slide + memory.c_s * u_t, limit);
     } else {
       const double limit = law_.friction * std::abs(push);
       friction = law_.k_s * slide + memory.c_s * u_t;
@@ -165,12 +198,20 @@ void Collision::meet(const Pair& pair, const std::vector<Motion>& motion, double
   b.force -= force;
   a.torque += pair.arm_i.cross(force) + couple_i;
   b.torque -= pair.arm_j.cross(force) - couple_j;
-  // The kicks at both ends of the step give the force dt / 2 each way; it has acted for `age`, and its spring
-  // has grown from nothing meanwhile.
-  if (fresh && use_.partial_steps) {
-    const double due = age - 0.5 * dt;
-    impulse(pair, due * force + 0.5 * age * law_.k_n * overlap * n, due * couple_i, due * couple_j);
-  }
+  if (!fresh || !use_.partial_steps || age >= dt) return;
+  // Normal: what brings the speed from that of the flight to that of the contact. In the plane: trapezoids
+  // over the time for which the surfaces have touched, beside the half kick that follows.
+  const double mass = 1.0 / mobility(pair, point_i, point_j, n), speed = -u.dot(n);
+  const double within = speed / speed_ratio(mass, law_.k_n, dt);
+  const double mean =
+      mean_speed(mass, memory.c_n, within, overlap, -held_energy(mass, law_.k_n, overlap, dt));
+  const double normal = mean > 0.0 ? mass * (2.0 * mean - within - speed) : -0.5 * dt * push;
+  const Vec3 u_mid = relative(ma.v_mid, ma.w_mid, pair.arm_i_mid, mb.v_mid, mb.w_mid, pair.arm_j_mid, d_mid);
+  const Vec3 met = law_.friction > 0.0 ? cut(memory.c_s * tangential(u_mid, n),
+                                             law_.friction * std::max(0.0, -memory.c_n * u_mid.dot(n)))
+                                       : Vec3(Vec3::Zero());
+  const Vec3 due = (normal + 0.5 * dt * push) * n + 0.5 * age * met + 0.5 * (age - dt) * friction;
+  impulse(pair, due, lever_i * n.cross(due), lever_j * n.cross(due));
 }
 
 void Collision::part(const Pair& pair, const std::vector<Motion>& motion, double dt) {
@@ -179,14 +220,38 @@ void Collision::part(const Pair& pair, const std::vector<Motion>& motion, double
   const Memory memory = touching_.at({pair.i, pair.j});
   touching_.erase({pair.i, pair.j});
   if (!use_.partial_steps) return;
-  const Vec3 d = separation(pair), n = d.normalized();
-  const double gap = d.norm() - i.radius - j.radius;
-  const double u_n =
-      (mb.v_mid + mb.w_mid.cross(pair.arm_j_mid) - ma.v_mid - ma.w_mid.cross(pair.arm_i_mid)).dot(n);
-  if (!(u_n > 0.0)) return;
-  const double absent = std::min(dt, gap / u_n), present = dt - absent;
-  const double due = (present - 0.5 * dt) * memory.c_n * u_n + 0.5 * law_.k_n * u_n * present * absent;
-  impulse(pair, due * n, Vec3::Zero(), Vec3::Zero());
+  const Vec3 centres_mid =
+      mb.v_mid + mb.w_mid.cross(pair.arm_j_mid) - ma.v_mid - ma.w_mid.cross(pair.arm_i_mid);
+  const Vec3 centres_end = mb.v_end + mb.w_end.cross(pair.arm_j) - ma.v_end - ma.w_end.cross(pair.arm_i);
+  const Vec3 d = separation(pair), n = d.normalized(), d_start = d - dt * centres_mid,
+             n_start = d_start.normalized();
+  const double radii = i.radius + j.radius, gap = d.norm() - radii, overlap = radii - d_start.norm();
+  if (!(overlap > 0.0)) return;
+  const double lever_i = 0.5 * (d.norm() + (i.radius * i.radius - j.radius * j.radius) / d.norm()),
+               lever_j = d.norm() - lever_i;
+  const double mass = 1.0 / mobility(pair, pair.arm_i + lever_i * n, pair.arm_j - lever_j * n, n);
+  const double present = overlap / (overlap + gap) * dt;
+
+  // Normal: from the speed of the contact to that of the flight.
+  const double start = (2.0 * centres_mid - centres_end).dot(n_start), mid = centres_mid.dot(n_start),
+               end = centres_mid.dot(n);
+  const double mean = mean_speed(mass, memory.c_n, start, overlap, held_energy(mass, law_.k_n, overlap, dt));
+  double after = speed_ratio(mass, law_.k_n, dt) * (2.0 * mean - start);
+  if (!(mean > 0.0 && after > 0.0))
+    after = start + present / mass * (0.5 * law_.k_n * overlap - memory.c_n * start);
+  const double given = 0.5 * dt / mass * (law_.k_n * overlap - memory.c_n * start);
+  const double right = mid - given + after - start, square = end * end + right * right - mid * mid;
+  const double change = right > 0.0 && square > 0.0 ? std::sqrt(square) - end : right - mid;
+
+  // In the plane: what the opening half kick has given too much.
+  const Vec3 u = centres_mid - (lever_i * ma.w_mid + lever_j * mb.w_mid).cross(n), u_t = tangential(u, n);
+  Vec3 drag = Vec3::Zero();
+  if (law_.friction > 0.0) {
+    const double limit = law_.friction * std::max(0.0, law_.k_n * overlap - memory.c_n * u.dot(n));
+    drag = cut(law_.k_s * cut(laid_flat(memory.slide, n), limit / law_.k_s) + memory.c_s * u_t, limit);
+  }
+  const Vec3 due = 0.5 * (present - dt) * drag - mass * change * n;
+  impulse(pair, due, lever_i * n.cross(due), lever_j * n.cross(due));
 }
 
 void Collision::impulse(const Pair& pair, const Vec3& on_i, const Vec3& couple_i, const Vec3& couple_j) {
@@ -202,19 +267,20 @@ void Collision::set_damping(const Pair& pair, const Vec3& point_i, const Vec3& p
   memory.c_n = law_.c_n;
   memory.c_s = law_.c_s;
   if (!use_.mass_at_contact) return;
-  // Velocity that a unit force along e gives the contact point, along e.
-  const auto mobility = [&](const Vec3& e) {
-    double sum = 0.0;
-    for (const auto& [b, point] : {std::pair{balls_[pair.i].body, point_i}, {balls_[pair.j].body, point_j}}) {
-      const Rigid& body = bodies_[b];
-      const Vec3 moment = point.cross(e);
-      sum += 1.0 / body.mass + moment.dot(spin(body, body.q, moment));
-    }
-    return sum;
-  };
+  const auto along = [&](const Vec3& e) { return mobility(pair, point_i, point_j, e); };
   const Vec3 e = n.unitOrthogonal();
-  memory.c_n *= std::sqrt(law_.k_n / mobility(n));
-  memory.c_s *= std::sqrt(law_.k_s * 2.0 / (mobility(e) + mobility(n.cross(e))));
+  memory.c_n *= std::sqrt(law_.k_n / along(n));
+  memory.c_s *= std::sqrt(law_.k_s * 2.0 / (along(e) + along(n.cross(e))));
+}
+
+double Collision::mobility(const Pair& pair, const Vec3& point_i, const Vec3& point_j, const Vec3& e) const {
+  double sum = 0.0;
+  for (const auto& [b, point] : {std::pair{balls_[pair.i].body, point_i}, {balls_[pair.j].body, point_j}}) {
+    const Rigid& body = bodies_[b];
+    const Vec3 moment = point.cross(e);
+    sum += 1.0 / body.mass + moment.dot(spin(body, body.q, moment));
+  }
+  return sum;
 }
 
 }  // namespace cairn::lammps

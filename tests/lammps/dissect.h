@@ -20,7 +20,8 @@ struct Conventions {
   /// On: with that in mid-step, is turned with the bodies, and keeps its length when made tangential.
   bool springs_turn = false;
   /// Off: sliding resets the spring so that spring + dashpot make the limit, mu |F_N|. On: the spring is
-  /// shortened to the limit, then the sum is cut to it; the limit is mu max(0, F_N).
+  /// shortened to the limit, turning towards the slip meanwhile, then the sum is cut to the limit, which is
+  /// mu max(0, F_N).
   bool spring_cut_first = false;
   /// Off: a contact acts from the first to the last evaluation that finds an overlap. On: the two steps that
   /// it shares with its absence are given their part.
@@ -82,6 +83,9 @@ class Collision {
   void impulse(const Pair& pair, const Vec3& on_i, const Vec3& couple_i, const Vec3& couple_j);
   void set_damping(const Pair& pair, const Vec3& point_i, const Vec3& point_j, const Vec3& n,
                    Memory& memory) const;
+  /// Velocity (m/s) that a unit force along e gives the contact point of both bodies, along e; points from
+  /// their mass centres.
+  double mobility(const Pair& pair, const Vec3& point_i, const Vec3& point_j, const Vec3& e) const;
   Vec3 separation(const Pair& pair) const;
 
   std::vector<Rigid> bodies_;

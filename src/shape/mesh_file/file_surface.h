@@ -71,8 +71,9 @@ FileSurface read_stl(std::string_view bytes, const std::string& name);
 /// OFF, with normals, colours and texture coordinates (NOFF, COFF, STOFF and so on), which are not used.
 FileSurface read_off(std::string_view bytes, const std::string& name);
 
-/// Tables of numbers: counts, vertices and facets (plate models of the PDS, DAMIT's shape.txt, NAIF's
-/// plate-vertex tables and Rosetta's .ver), Gaskell's grids on a cube (ICQ), latitude-longitude-radius grids.
+/// Tables of numbers: counts, vertices and facets (plate models of the PDS, those whose vertices are
+/// latitude, longitude and radius among them, DAMIT's shape.txt, NAIF's plate-vertex tables and Rosetta's
+/// .ver), Gaskell's grids on a cube (ICQ), latitude-longitude-radius grids.
 FileSurface read_table(std::string_view bytes, const std::string& name);
 
 /// One of the above, by the first word of the text: for files whose name does not tell.

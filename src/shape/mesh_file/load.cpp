@@ -1,9 +1,9 @@
 // Files of any format into meshes.
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 
 #include "core/error.h"
+#include "core/read_file.h"
 #include "shape/mesh.h"
 #include "shape/mesh_file/file_surface.h"
 #include "shape/mesh_file/other_formats.h"
@@ -27,33 +27,6 @@ auto own_reader(const std::string& kind) -> FileSurface (*)(std::string_view, co
   if (kind == "stl") return read_stl;
   if (kind == "off") return read_off;
   return nullptr;
-}
-
-/// @throws InputError unless the path is that of a regular file: anything else might never end.
-void check_regular(const std::filesystem::path& path) {
-  using std::filesystem::file_type;
-  std::error_code none;
-  const file_type type = std::filesystem::status(path, none).type();
-  if (type == file_type::regular) return;
-  if (type == file_type::not_found || type == file_type::none)
-    throw InputError("{}: no such mesh file", path.string());
-  throw InputError("{}: expected a mesh file, found {}", path.string(),
-                   type == file_type::directory ? "a directory"
-                   : type == file_type::fifo    ? "a pipe"
-                   : type == file_type::socket  ? "a socket"
-                                                : "a device");
-}
-
-std::string read_bytes(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes;
-  std::vector<char> block(1 << 20);
-  while (file) {
-    file.read(block.data(), static_cast<std::streamsize>(block.size()));
-    bytes.append(block.data(), static_cast<std::size_t>(file.gcount()));
-  }
-  if (!file.eof()) throw InputError("{}: cannot be read", path.string());
-  return bytes;
 }
 
 }  // namespace
@@ -96,9 +69,12 @@ TriangleMesh parse_mesh(std::string_view bytes, const std::string& kind, const s
 
 TriangleMesh load_mesh(const std::filesystem::path& path, double unit, Welding* welding) {
   const std::string name = path.string(), kind = extension(path);
-  check_regular(path);
-  if (is_other_format(kind)) return make_mesh(read_other_format(path, kind), name, unit, welding);
-  return parse_mesh(read_bytes(path), kind, name, unit, welding);
+  constexpr const char* what = "mesh file";
+  if (is_other_format(kind)) {
+    require_regular(path, name, what);
+    return make_mesh(read_other_format(path, kind), name, unit, welding);
+  }
+  return parse_mesh(read_file(path, name, {.what = what}), kind, name, unit, welding);
 }
 
 }  // namespace cairn

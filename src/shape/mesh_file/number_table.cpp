@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/error.h"
 #include "shape/mesh_file/text.h"
@@ -52,6 +53,7 @@ class PlateReader {
     if (row_ < table_.rows())
       table_.fail(row_, "expected the end of the file after {} vertices and {} facets", vertices_, facets_);
     count_.settle(surface_, table_.name);
+    if (latitude_) place_by_angles();
     return std::move(surface_);
   }
 
@@ -81,7 +83,7 @@ class PlateReader {
       surface_.vertices.push_back({x[0], x[1], x[2]});
     }
     if (numbered_) count_.require(base_);
-    refuse_angles();
+    latitude_ = latitude_column();
   }
 
   std::uint32_t first_number(std::size_t row) const {
@@ -90,8 +92,8 @@ class PlateReader {
     return first;
   }
 
-  /// Some plate models of comets give latitude, longitude and radius of their vertices.
-  void refuse_angles() const {
+  /// Some plate models of comets give latitude, longitude and radius of their vertices, in degrees.
+  std::optional<int> latitude_column() const {
     Vec3 low = Vec3::Constant(1e300), high = -low;
     for (const Vec3& x : surface_.vertices) {
       low = low.cwiseMin(x);
@@ -101,7 +103,31 @@ class PlateReader {
       if (low[latitude] == -90.0 && high[latitude] == 90.0 && low.z() > 0.0 &&
           high[1 - latitude] - low[1 - latitude] > 270.0 && low[1 - latitude] >= -360.0 &&
           high[1 - latitude] <= 360.0)
-        table_.fail(1, "the vertices look like latitude, longitude and radius; expected x, y and z");
+        return latitude;
+    return {};
+  }
+
+  /// Files do not say which way their longitudes run. Their facets do, for they face outwards.
+  void place_by_angles() {
+    for (Vec3& x : surface_.vertices) {
+      const double latitude = x[*latitude_] * kPi / 180.0, longitude = x[1 - *latitude_] * kPi / 180.0;
+      const double across = std::abs(x[*latitude_]) == 90.0 ? 0.0 : std::cos(latitude);
+      x = x.z() * Vec3(across * std::cos(longitude), across * std::sin(longitude), std::sin(latitude));
+    }
+    double volume = 0.0;
+    for (std::size_t f = 0; f < surface_.ends.size(); ++f) {
+      const auto corner = surface_.facet(f);
+      for (std::size_t k = 2; k < corner.size(); ++k)
+        volume += surface_.vertices[corner[0]].dot(
+            surface_.vertices[corner[k - 1]].cross(surface_.vertices[corner[k]]));
+    }
+    if (volume < 0.0)
+      for (Vec3& x : surface_.vertices) x.y() = -x.y();
+    surface_.notes.push_back(
+        fmt::format("vertices are taken for latitude, longitude and radius, and longitudes to run {}, so "
+                    "that facets face "
+                    "outwards",
+                    volume < 0.0 ? "west" : "east"));
   }
 
   /// i j k; with its number before; or with the number of its corners before, on the same line or on its own.
@@ -146,7 +172,8 @@ class PlateReader {
   CornerCount count_;
   std::size_t row_ = 0;
   std::uint32_t vertices_ = 0, facets_ = 0, base_ = 0;
-  bool numbered_ = false;  // vertices
+  bool numbered_ = false;        // vertices
+  std::optional<int> latitude_;  // column of the vertices; none: they are x, y and z
 };
 
 }  // namespace

@@ -69,8 +69,9 @@ TEST(Inputs, WhatIsNoFileIsRefused) {
   const InputFiles files(folder.path());
   ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
   folder.write("long", "1234567");
-  EXPECT_NE(error_of([&] { files.read("pipe"); }).find("pipe: not a regular file"), std::string::npos);
-  EXPECT_NE(error_of([&] { files.read("."); }).find("not a regular file"), std::string::npos);
+  EXPECT_NE(error_of([&] { files.read("pipe"); }).find("pipe: expected a file, found a pipe"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { files.read("."); }).find("expected a file, found a directory"), std::string::npos);
   EXPECT_NE(error_of([&] { files.read("none"); }).find("none: no such file"), std::string::npos);
   EXPECT_NE(error_of([&] { files.read("long", 6); }).find("long: larger than 0 MB"), std::string::npos);
 }

@@ -469,8 +469,8 @@ TEST(SceneErrors, FilesThatCannotBeRead) {
   std::ofstream(in("long")) << std::string(16'000'001, '\n');
   EXPECT_EQ(error(in("none")), in("none") + ": no such file");
   EXPECT_EQ(error(in("a\nb")), in("a\\nb") + ": no such file");
-  EXPECT_EQ(error(directory), directory.string() + ": not a regular file");
-  EXPECT_EQ(error(in("pipe")), in("pipe") + ": not a regular file");
+  EXPECT_EQ(error(directory), directory.string() + ": expected a file, found a directory");
+  EXPECT_EQ(error(in("pipe")), in("pipe") + ": expected a file, found a pipe");
   EXPECT_EQ(error(in("long")), in("long") + ": larger than 16 MB");
   std::filesystem::remove_all(directory);
 }

@@ -82,8 +82,6 @@ TEST(NumberTable, PlateModels) {
   expect_error(naif.substr(0, naif.size() - 12),
                "file:9: 4 vertices and 4 facets are promised, the file ends after 4 and 3");
   expect_error("4 4 4 4\n0 0 0 0\n", "file:2: expected counts, or a grid of latitudes");
-  expect_error("2 1\n-90 10 5\n90 350 5\n1 2 2\n",
-               "file:2: the vertices look like latitude, longitude and radius");
 }
 
 // A body on the rays of a grid, which no symmetry turns into another.
@@ -134,6 +132,44 @@ TEST(NumberTable, GridsOfRadii) {
     EXPECT_NEAR(other.volume / mass.volume, 1.0, 1e-9);
     EXPECT_NEAR((other.centroid - mass.centroid).norm(), 0.0, 1e-9);
     EXPECT_NEAR((other.inertia - mass.inertia).norm(), 0.0, 1e-8);
+  }
+}
+
+// Facets tell which way longitudes run.
+TEST(NumberTable, PlatesWithVerticesAtLatitudesAndLongitudes) {
+  enum class Kind { places, east, west, longitude_first };
+  const auto plates = [](Kind kind) {
+    constexpr int rows = 13, ring = 24;
+    std::string vertices, facets;
+    for (int i = 0; i < rows; ++i)
+      for (int j = 0; j < ring; ++j) {
+        const double latitude = -90.0 + 15.0 * i, longitude = 15.0 * j, phi = latitude * kPi / 180.0,
+                     lambda = longitude * kPi / 180.0;
+        const double r = i % (rows - 1) == 0 ? 2.0 : radius(phi, lambda);
+        if (kind == Kind::places)
+          vertices += fmt::format("{:.15g} {:.15g} {:.15g}\n", r * std::cos(phi) * std::cos(lambda),
+                                  r * std::cos(phi) * std::sin(lambda), r * std::sin(phi));
+        else if (kind == Kind::longitude_first)
+          vertices += fmt::format("{} {} {:.15g}\n", longitude, latitude, r);
+        else
+          vertices +=
+              fmt::format("{} {} {:.15g}\n", latitude, kind == Kind::west ? 360.0 - longitude : longitude, r);
+        if (i + 1 == rows) continue;
+        const int a = i * ring + j + 1, b = i * ring + (j + 1) % ring + 1;
+        facets += fmt::format("{} {} {}\n{} {} {}\n", a, b, b + ring, a, b + ring, a + ring);
+      }
+    return fmt::format("{} {}\n{}{}", rows * ring, 2 * (rows - 1) * ring, vertices, facets);
+  };
+  const MassProperties mass = mass_of_table(plates(Kind::places));
+  EXPECT_GT(mass.centroid.norm(), 0.1);
+  for (const Kind kind : {Kind::east, Kind::west, Kind::longitude_first}) {
+    Welding welding;
+    const MassProperties other = mass_of_table(plates(kind), &welding);
+    EXPECT_NEAR(other.volume / mass.volume, 1.0, 1e-12);
+    EXPECT_NEAR((other.centroid - mass.centroid).norm(), 0.0, 1e-12);
+    EXPECT_NEAR((other.inertia - mass.inertia).norm(), 0.0, 1e-11);
+    ASSERT_EQ(welding.notes.size(), 1u);
+    EXPECT_NE(welding.notes[0].find(kind == Kind::west ? "run west" : "run east"), std::string::npos);
   }
 }
 

@@ -42,6 +42,8 @@ struct Checkpoint {
     state.gravity.steps = 7;
     state.gravity.due = 35;
     state.gravity.interval = 3.5;
+    state.control.active = true;
+    state.control.next_check = 38;
     contacts.assign({{0, 2, {1.0, 2.0, {3.0, 4.0, 5.0}, {6.0, 7.0, 8.0}, 9.0}},
                      {1, 4, {1.0, 2.0, {3.0, 4.0, 5.0}, {6.0, 7.0, 8.0}, 9.0}}});
   }
@@ -49,11 +51,15 @@ struct Checkpoint {
   /// What is said of it; empty: nothing.
   std::string fault() {
     try {
-      check_motion(state.bodies, 1);
-      check_contacts(contacts, state.bodies);
+      check_pile(state, 1, contacts, checkpoint_fields(state, contacts.table(), walls));
       check_checkpoint(state, 3, 1);
-      check_stage(state, 40, 0.5, true);
-      return not_finite(checkpoint_fields(state, contacts.table(), walls));
+      Physics physics;
+      physics.steps = 40;
+      physics.contacts.dt = 0.5;
+      physics.gravity = GravityMethod::direct;
+      physics.spin.emplace().check_interval = 4.0;  // 8 steps
+      check_stage(state, physics);
+      return "";
     } catch (const InputError& error) {
       return error.what();
     }
@@ -114,6 +120,11 @@ TEST(CheckState, RefusesWhatDoesNotFit) {
       {"times in order", [](auto& c) { c.state.gravity.evaluated_time = 1.0; }},
       {"gravity/due", [](auto& c) { c.state.gravity.due = 38; }},
       {"gravity/due", [](auto& c) { c.state.gravity.due = 29; }},
+      {"relaxation", [](auto& c) { c.state.relaxation.pile.assign(3, 0); }},
+      {"relaxation", [](auto& c) { c.state.relaxation.look = 0; }},
+      {"control/next_check", [](auto& c) { c.state.control.next_check = 39; }},
+      {"control/next_check", [](auto& c) { c.state.control.next_check = 30; }},
+      {"control/next_check", [](auto& c) { c.state.control.next_check = std::uint64_t(-1); }},
       {"gravity/omega", [](auto& c) { c.state.gravity.omega.x() = kNan; }},
       {"as many as walls", [](auto& c) { c.state.walls.driven.speed.clear(); }},
       {"driven/place", [](auto& c) { c.state.walls.driven.place[0] = kNan; }},

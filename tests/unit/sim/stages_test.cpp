@@ -116,6 +116,52 @@ contacts = false
   for (const double contacts : file.read_series("contacts")) EXPECT_EQ(contacts, 0.0);
 }
 
+TEST(Stages, SpringsThatAreForgottenCountAsDissipated) {
+  const Folder folder;
+  cairn::Setup setup = balls({{0.0, 0.0, 5.0}, {2.0, 0.0, 5.0}, {20.0, 0.0, 1.0}});
+  setup.bodies.velocity[0] = {1.0, 0.3, 0.0};
+  setup.bodies.velocity[2] = {0.3, 0.0, -0.5};
+  run(R"(
+[[body]]
+shape = "sphere"
+density = 2000
+[[wall]]
+kind = "plane"
+stages = ["blow"]
+[gravity]
+method = "none"
+[contact]
+stiffness = 1e8
+[[stage]]
+name = "blow"
+duration = 5e-3
+[[stage]]
+name = "no wall"
+duration = 2e-3
+[[stage]]
+name = "pass"
+duration = 1
+contacts = false
+)",
+      std::move(setup), folder / "run.h5");
+  const ResultFile file = ResultFile::open(folder / "run.h5");
+  const std::vector<double> stage = file.read_series("stage"), moving = file.read_series("kinetic_energy"),
+                            turning = file.read_series("rotational_energy"),
+                            elastic = file.read_series("elastic_energy"),
+                            dissipated = file.read_series("dissipated_work");
+  int forgotten = 0;
+  for (std::size_t k = 1; k < stage.size(); ++k) {
+    if (stage[k] == stage[k - 1]) continue;
+    ++forgotten;
+    EXPECT_EQ(moving[k], moving[k - 1]);
+    EXPECT_EQ(turning[k], turning[k - 1]);
+    EXPECT_GT(elastic[k - 1] - elastic[k], 0.02 * moving[k]) << k;
+    EXPECT_NEAR(elastic[k] + dissipated[k], elastic[k - 1] + dissipated[k - 1], 1e-12 * moving[k]) << k;
+  }
+  EXPECT_EQ(forgotten, 2);
+  EXPECT_EQ(elastic.back(), 0.0);
+}
+
 TEST(Stages, AWallOfSomeStagesMovesFromTheStartOfTheFirst) {
   const Scene scene = parse_scene(R"(
 [[body]]
