@@ -1,6 +1,7 @@
 // Whatever system call fails, stops half way or is the last one: files are the old ones or the new ones, and
 // runs go on from them to the same bits.
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <set>
 
@@ -36,11 +37,15 @@ class Faults : public testing::Test {
     anew();
     const std::size_t all = calls(folder_, command, out_).size();
     ASSERT_GT(all, 5u);
-    // Every number of calls and of deeds without a common divisor: all pairs are met in time.
-    const double stride = std::max(1.0, static_cast<double>(all * deeds.size()) / static_cast<double>(most));
+    // All pairs of a call and a deed, or a sample by steps of the golden ratio, which keeps to no deed.
+    constexpr double kGolden = 0.61803398874989485;
+    const std::size_t pairs = all * deeds.size();
     int killed = 0, refusals = 0;
-    for (double at = 0.0; at < static_cast<double>(all * deeds.size()); at += stride) {
-      const auto index = static_cast<std::size_t>(at);
+    for (std::size_t k = 0; k < std::min(pairs, most); ++k) {
+      const double place = kGolden * static_cast<double>(k);
+      const auto index =
+          pairs <= most ? k
+                        : static_cast<std::size_t>((place - std::floor(place)) * static_cast<double>(pairs));
       const std::string& deed = deeds[index % deeds.size()];
       const std::size_t call = 1 + index / deeds.size();
       SCOPED_TRACE(deed + " at call " + std::to_string(call) + " of " + std::to_string(all));
