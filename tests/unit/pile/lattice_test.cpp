@@ -30,7 +30,9 @@ Bodies make(LatticeKind kind, const std::string& shape, const RegionSpec& region
                             .material = "",
                             .spacing = 0.0,
                             .random_orientation = turned,
-                            .region = region};
+                            .region = region,
+                            .held = {},
+                            .walls = {}};
   Bodies bodies;
   add_lattice(lattice, Region(region, InputFiles()), rigid, 0, 0, 1, 0, bodies);
   return bodies;
