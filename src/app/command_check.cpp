@@ -132,7 +132,12 @@ void check(const Options& options) {
     const bool first = !trial;
     if (first) {
       set_walls(scene, k, all_walls, std::vector<double>(k + 1, 0.0), state.walls);
-      trial = try_stage(scene, k, physics, contacts, former ? &*of_pile : nullptr, state);
+      try {
+        trial = try_stage(scene, k, physics, contacts, former ? &*of_pile : nullptr, state);
+      } catch (const UnstableError& error) {
+        trial.emplace().warnings = {
+            fmt::format("a short trial of the stage ends by itself: {}", error.what())};
+      }
     }
     seconds += static_cast<double>(physics.steps) *
                (trial->step + trial->row * std::min(1.0, physics.contacts.dt / physics.series_interval));

@@ -164,6 +164,10 @@ double escape_speed(const Bodies& bodies) {
   return std::sqrt(2.0 * kGravitationalConstant * steepest);
 }
 
+double load_of_a_contact(const Bodies& bodies, double load) {
+  return load * std::min(1.0, kForceChain / squared(std::cbrt(static_cast<double>(bodies.size()))));
+}
+
 StiffnessChoice choose_stiffness(const Bodies& bodies, const ContactDemand& demand) {
   const double mass = total_mass(bodies), cubes = cubed_radii(bodies);
   double load = 0.0;  // N/m^2, over the squared radius of the sphere with the volume of a body's spheres
@@ -185,6 +189,9 @@ StiffnessChoice choose_stiffness(const Bodies& bodies, const ContactDemand& dema
     }
     load += kForceChain * demand.field * std::max(heaviest, weighing / squared(std::cbrt(size)));
   }
+  if (demand.wall_load > 0.0)
+    load += load_of_a_contact(bodies, demand.wall_load) /
+            squared(std::cbrt(cubes / static_cast<double>(bodies.size())));
   StiffnessChoice choice;
   for_worst_pairs(bodies, demand.walls, [&](std::uint32_t s, std::uint32_t b, const auto& other) {
     const double overlap = demand.max_overlap * bodies.spheres.radius[s];

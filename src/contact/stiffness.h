@@ -20,7 +20,12 @@ struct ContactDemand {
   double cohesion = 0.0;       ///< N/m^2, strongest pull of two bodies over R^2: c (2 beta)^2
   double wall_cohesion = 0.0;  ///< the same of a body and a wall
   bool walls = false;
+  double wall_load = 0.0;  ///< N, greatest that moves a wall
 };
+
+/// What one contact bears of a load (N) on a wall, at most: all of it, or where the bodies are many 8 times
+/// the mean of a layer of them, for force chains.
+double load_of_a_contact(const Bodies& bodies, double load);
 
 /// A body and what it meets: another one, or a wall, or one of its kind where it is alone.
 struct Encounter {

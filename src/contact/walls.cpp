@@ -473,14 +473,15 @@ double Walls::stored_energy(const Bodies& bodies, const SweepSettings& settings,
   return energy;
 }
 
-double Walls::largest_overlap(const Bodies& bodies, double time) const {
+DeepestTouch Walls::deepest(const Bodies& bodies, double time) const {
   const std::vector<WallPose> now = poses(time);
-  double ratio = 0.0;
+  DeepestTouch out;
   for (const WallContact& c : contacts) {
     const Vec3 y = now[c.wall].to_wall(bodies.spheres.position[c.sphere]);
-    ratio = std::max(ratio, 1.0 - walls[c.wall].extend(c.feature, y).arm / bodies.spheres.radius[c.sphere]);
+    const double ratio = 1.0 - walls[c.wall].extend(c.feature, y).arm / bodies.spheres.radius[c.sphere];
+    if (ratio > out.ratio) out = {ratio, c.sphere, scene_number(c.wall)};
   }
-  return ratio;
+  return out;
 }
 
 std::vector<WallContact> Walls::numbered_contacts() const {

@@ -29,6 +29,12 @@ struct WallReport {
   WallReport& operator+=(const WallReport& other);
 };
 
+/// The greatest overlap with a wall.
+struct DeepestTouch {
+  double ratio = 0.0;                  ///< over the sphere's radius; 0: none
+  std::uint32_t sphere = 0, wall = 0;  ///< the wall's number in the scene
+};
+
 /// The walls of a scene with the histories of their contacts.
 class Walls {
  public:
@@ -66,8 +72,8 @@ class Walls {
                      const SweepSettings& settings, double time);
   /// Energy (J) in the springs of the contacts.
   double stored_energy(const Bodies& bodies, const SweepSettings& settings, double time) const;
-  /// Greatest overlap over the sphere's radius; 0 without contacts.
-  double largest_overlap(const Bodies& bodies, double time) const;
+  /// The greatest overlap.
+  DeepestTouch deepest(const Bodies& bodies, double time) const;
   /// @throws InputError when the contacts, read from a file, are not of these walls and spheres.
   void check_contacts(std::size_t spheres) const;
 

@@ -141,6 +141,12 @@ class Checks {
       if (given(key) && !names.insert(name).second)
         throw error(key, "expected a name of its own, found '{}' for a second time", name);
     }
+    for (std::size_t i = 0; i < scene_.walls.size(); ++i)
+      if (const std::string& name = scene_.walls[i].name;
+          name.ends_with("_mean") && names.contains(name.substr(0, name.size() - 5)))
+        throw error(fmt::format("wall[{}].name", i),
+                    "found '{}' beside '{}', whose columns of the series have such names; expected another",
+                    name, name.substr(0, name.size() - 5));
   }
 
   void check_wall(WallSpec& wall, const std::string& key) const {

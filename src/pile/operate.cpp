@@ -105,9 +105,12 @@ std::string scale(const ScaleSpec& spec, State& state, std::vector<ContactRecord
   const double mass = budget(bodies).mass, bulk = mass / volume, ratio = spec.density / bulk;
   state.region_volume = volume;
   if (spec.by == ScaleBy::mass) {
-    for (std::size_t b = 0; b < bodies.size(); ++b) multiply_mass(bodies, b, ratio);
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      if (!is_held(bodies, b)) multiply_mass(bodies, b, ratio);
     return fmt::format("masses x {:.5g}: bulk density {:.5g} -> {:.5g} kg/m^3", ratio, bulk, spec.density);
   }
+  if (!state.held.empty())
+    throw InputError("lengths cannot be scaled beside held bodies, which stay in their places");
   const double factor = 1.0 / std::cbrt(ratio);
   multiply_lengths(bodies, factor, contacts);
   state.walls.contacts.clear();  // walls stay where they are

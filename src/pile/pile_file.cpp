@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <optional>
+#include <ranges>
+#include <set>
 
 #include "core/error.h"
 #include "io/results.h"
@@ -65,6 +67,16 @@ std::optional<FormerStage> last_stage(const Scene& scene, const State& state) {
   while (last > 0 && scene.stages[last].operates()) --last;
   if (scene.stages[last].operates()) return {};
   return FormerStage{resolve_laws(scene, last, state.bodies, state.k_n), {}, last == state.clock.stage};
+}
+
+/// The names in sets of walls, see set_of_walls.
+std::set<std::string> walls_of_sets(const std::vector<std::string>& sets) {
+  std::set<std::string> out;
+  for (const std::string& set : sets)
+    for (std::size_t begin = 1, end; (end = set.find(',', begin)) != set.npos; begin = end + 1)
+      out.insert(set.substr(begin, end - begin));
+  out.erase("");
+  return out;
 }
 
 /// Which of the checkpoint's fields make a pile, whatever version of the program has made it, and how.
@@ -136,6 +148,11 @@ Setup read_pile(const std::filesystem::path& path, const Scene& scene, const std
         match_materials(names, state.bodies, former, scene, setup.notes);
     for (std::uint16_t& m : state.bodies.material) m = numbers[m];
   });
+  for (const std::string& name : walls_of_sets(setup.wall_sets))
+    if (!std::ranges::any_of(std::views::iota(std::size_t{0}, scene.walls.size()),
+                             [&](std::size_t w) { return wall_name(scene, w) == name; }))
+      setup.warnings.push_back(
+          fmt::format("bodies of {} touch a wall '{}', which is not in this scene", path.string(), name));
   setup.notes.insert(
       setup.notes.begin(),
       fmt::format(

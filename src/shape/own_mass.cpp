@@ -21,6 +21,10 @@ MassSpread spread_of_spheres(const Shape& shape) {
 
 namespace {
 
+double cube(double x) {
+  return x * x * x;
+}
+
 std::optional<MassComplaint> check_inertia(const Mat3& inertia) {
   constexpr double thinnest = 1e-9;
   const Vec3 moments = Eigen::SelfAdjointEigenSolver<Mat3>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
@@ -57,7 +61,24 @@ std::optional<MassComplaint> check_own_mass(const Shape& shape) {
                            fmt::format("expected that of the spheres' masses, [{:.9g}, {:.9g}, {:.9g}]",
                                        center.x(), center.y(), center.z())};
   }
-  return own.inertia ? check_inertia(*own.inertia) : std::nullopt;
+  if (!own.inertia) return {};
+  if (const auto complaint = check_inertia(*own.inertia)) return complaint;
+  double volume = 0.0, reach = 0.0;
+  Vec3 center = Vec3::Zero();
+  for (std::size_t i = 0; i < shape.radii.size(); ++i) {
+    volume += cube(shape.radii[i]);
+    center += cube(shape.radii[i]) * shape.centers[i];
+  }
+  center = own.center.value_or(center / volume);
+  for (std::size_t i = 0; i < shape.radii.size(); ++i)
+    reach = std::max(reach, (shape.centers[i] - center).norm() + shape.radii[i]);
+  const double gyration = std::sqrt(0.5 * own.inertia->trace());
+  if (gyration > 2.0 * reach)
+    return MassComplaint{"inertia",
+                         fmt::format("expected a radius of gyration within the body, whose spheres reach "
+                                     "{:.4g} from its mass centre, found {:.4g}",
+                                     reach, gyration)};
+  return {};
 }
 
 }  // namespace cairn

@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <string_view>
 
+#include "analysis/fragments.h"
 #include "core/error.h"
 #include "sim/spin_control.h"
 
@@ -129,7 +130,8 @@ void check_checkpoint(const State& state, std::size_t stages, std::size_t walls)
       std::ranges::all_of(held.orientation, [](const Quat& q) { return std::abs(q.norm() - 1.0) < 1e-6; }),
       "held/orientation: expected unit quaternions");
   require(state.relaxation.look > 0 && (state.relaxation.pile.empty() || state.relaxation.pile.size() == n) &&
-              std::ranges::all_of(state.relaxation.pile, [n](std::uint32_t p) { return p < n; }),
+              std::ranges::all_of(state.relaxation.pile,
+                                  [n](std::uint32_t p) { return p < n || p == Fragments::kNone; }),
           "relaxation: expected a pile for each body");
   check_clock(state.clock, state.stage_starts, stages);
   check_gravity(state);

@@ -230,6 +230,7 @@ FieldTable checkpoint_fields(State& s, const FieldTable& contacts, WallColumns& 
        {"ledger/wall_power", "W", "of these at the last evaluation", &s.ledger.wall_power},
        {"ledger/control_work", "J", "work done by spin control", &s.ledger.control_work},
        {"ledger/relaxed", "J", "energy taken out by stages that relax", &s.ledger.relaxed},
+       {"ledger/stage_work", "J", "given to springs by changes from stage to stage", &s.ledger.stage_work},
        {"relaxation/pile", "", "number of each body's pile while it relaxes; empty: the stage does not",
         &s.relaxation.pile},
        {"relaxation/scale", "J", "what the energy inside the piles is compared with", &s.relaxation.scale},

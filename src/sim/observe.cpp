@@ -49,6 +49,10 @@ constexpr Column kColumns[] = {
     {&O::wall_work, "wall_work", "J", "done by moving walls and held bodies since the start"},
     {&O::control_work, "control_work", "J", "done by spin control since the start"},
     {&O::relaxed_work, "relaxed_work", "J", "taken out by stages that relax, since the start"},
+    {&O::stage_work, "stage_work", "J",
+     "given to the springs of contacts by changes of stiffness, materials and walls from stage to stage, "
+     "since "
+     "the start"},
     {&O::perturber_work, "perturber_work", "J", "done by perturbers since the start"},
     {&O::perturber_distance, "perturber_distance", "m", "of the nearest from the mass centre; NaN without"},
     {&O::momentum_x, "momentum_x", "kg m/s", "total"},
@@ -112,6 +116,11 @@ double contacts_per_sphere(const State& state) {
 
 }  // namespace
 
+double elastic_energy(const Physics& physics, const State& state) {
+  return stored_energy(state.bodies, physics.contacts, state.contacts) +
+         state.walls.stored_energy(state.bodies, physics.contacts, state.clock.time());
+}
+
 void observe_remnant(const State& state, double link_gap, Observation& o) {
   const Bodies& bodies = state.bodies;
   const Fragments fragments = find_fragments(bodies, link_gap, state.box, &state.contacts);
@@ -170,14 +179,14 @@ Observation observe(const Physics& physics, const State& state, Scratch& scratch
   o.rotational = total.rotational_energy;
   o.agitation = agitation(state, total);
   o.gravitational = gravitational_energy(physics, state, scratch);
-  o.elastic = stored_energy(bodies, physics.contacts, state.contacts) +
-              state.walls.stored_energy(bodies, physics.contacts, o.time);
+  o.elastic = elastic_energy(physics, state);
   for (std::size_t b = 0; b < bodies.size(); ++b)
     if (!is_held(bodies, b)) o.field -= bodies.mass[b] * physics.field.dot(place(bodies, b));
   o.dissipated = ledger.dissipated;
   o.wall_work = ledger.wall_work;
   o.control_work = ledger.control_work;
   o.relaxed_work = ledger.relaxed;
+  o.stage_work = ledger.stage_work;
   o.perturber_work = ledger.perturbers.work;
   o.perturber_distance = perturber_distance(physics, state, total.center);
   const Vec3& p = total.momentum;

@@ -13,8 +13,8 @@ struct Observation {
   double time = 0.0, stage = 0.0, period = 0.0, spin_target = 0.0, axis_a = 0.0, axis_b = 0.0, axis_c = 0.0,
          b_over_a = 0.0, c_over_a = 0.0, all_b_over_a = 0.0, all_c_over_a = 0.0, wobble = 0.0;
   double kinetic = 0.0, rotational = 0.0, gravitational = 0.0, elastic = 0.0, dissipated = 0.0,
-         wall_work = 0.0, control_work = 0.0, relaxed_work = 0.0, field = 0.0, perturber_work = 0.0,
-         perturber_distance = 0.0;
+         wall_work = 0.0, control_work = 0.0, relaxed_work = 0.0, stage_work = 0.0, field = 0.0,
+         perturber_work = 0.0, perturber_distance = 0.0;
   double momentum_x = 0.0, momentum_y = 0.0, momentum_z = 0.0, angular_x = 0.0, angular_y = 0.0,
          angular_z = 0.0;
   double agitation = 0.0;
@@ -34,6 +34,9 @@ double link_gap(const Scene& scene, const Bodies& bodies);
 
 /// Measures the state. `link_gap` (m): bodies closer than this belong together.
 Observation observe(const Physics& physics, const State& state, Scratch& scratch, double link_gap);
+
+/// Energy (J) in the springs of all contacts, less the work of cohesion.
+double elastic_energy(const Physics& physics, const State& state);
 
 /// Only what concerns the largest remnant.
 void observe_remnant(const State& state, double link_gap, Observation& o);

@@ -297,6 +297,8 @@ Stiffness resolve_stiffness(const Scene& scene, std::size_t index, const Bodies&
   demand.impact_speed = stage.impact_speed.value_or(default_impact_speed(scene, index, bodies, walls));
   demand.field = field_of(scene, index).norm();
   demand.self_gravity = gravity_of(scene, index) != GravityMethod::none;
+  for (const Wall& wall : walls)
+    if (wall.drive) demand.wall_load = std::max(demand.wall_load, std::abs(wall.drive->load));
   const StiffnessChoice choice = choose_stiffness(bodies, demand);
   if (!(choice.k_n > 0.0))
     throw InputError(

@@ -12,21 +12,28 @@ namespace cairn {
 
 namespace {
 
-/// The bodies of each pile of more than one.
+/// The bodies of each pile, of one that moves freely only if they are more than one.
 void collect_piles(const State& state, Scratch& scratch) {
   const std::vector<std::uint32_t>& pile = state.relaxation.pile;
-  scratch.piles.assign(*std::max_element(pile.begin(), pile.end()) + 1, {});
-  for (std::uint32_t b = 0; b < pile.size(); ++b)
-    if (!is_held(state.bodies, b)) scratch.piles[pile[b]].push_back(b);
-  std::erase_if(scratch.piles, [](const auto& bodies) { return bodies.size() < 2; });
+  scratch.piles.clear();
+  for (std::uint32_t b = 0; b < pile.size(); ++b) {
+    if (pile[b] == Fragments::kNone) continue;  // held
+    if (pile[b] >= scratch.piles.size()) scratch.piles.resize(pile[b] + 1u);
+    scratch.piles[pile[b]].push_back(b);
+  }
+  const std::size_t least = state.anchored() ? 1 : 2;
+  std::erase_if(scratch.piles, [&](const auto& bodies) { return bodies.size() < least; });
 }
 
-/// The motion of a pile's bodies less that of the pile.
+/// The motion of a pile's bodies less that of the pile, which is at rest where walls or held bodies are.
 class InnerMotion {
  public:
   InnerMotion(const State& state, const std::vector<std::uint32_t>& pile)
       : bodies_(state.bodies), whole_(spin_state(state.bodies, pile)) {
-    if (!state.box.periodic()) rate_ = rotation_rate(whole_);
+    if (state.anchored())
+      whole_.velocity.setZero();
+    else if (!state.box.periodic())
+      rate_ = rotation_rate(whole_);
   }
   double mass() const { return whole_.mass; }
   Vec3 velocity(std::size_t b) const {
@@ -46,7 +53,7 @@ class InnerMotion {
 
  private:
   const Bodies& bodies_;
-  const SpinState whole_;
+  SpinState whole_;
   Vec3 rate_ = Vec3::Zero();  // rad/s
 };
 
@@ -63,9 +70,11 @@ void begin_relaxation(const Physics& physics, State& state, Scratch& scratch) {
   scratch.piles.clear();
   if (!physics.relax) return;
   relaxation.pile = find_fragments(state.bodies, 0.0, state.box).label;
-  relaxation.scale = physics.gravity != GravityMethod::none
-                         ? std::abs(gravitational_energy(physics, state, scratch))
-                         : std::max(0.0, stored_energy(state.bodies, physics.contacts, state.contacts));
+  relaxation.scale =
+      physics.gravity != GravityMethod::none
+          ? std::abs(gravitational_energy(physics, state, scratch))
+          : std::max(0.0, stored_energy(state.bodies, physics.contacts, state.contacts) +
+                              state.walls.stored_energy(state.bodies, physics.contacts, state.clock.time()));
   collect_piles(state, scratch);
   for (const std::vector<std::uint32_t>& pile : scratch.piles) {
     double mass = 0.0;

@@ -217,6 +217,7 @@ void Run::start_stage() {
   Clock& clock = state_.clock;
   std::optional<FormerStage> former = former_stage(scene_, clock.stage, state_, walls_);
   if (former) state_.ledger.dissipated += forgotten_energy(scene_, clock.stage, *former, state_, inherited_);
+  const bool of_this_run = former && former->same_bodies;
   if (!former) former = std::exchange(former_, {});
   set_walls(scene_, clock.stage, walls_, state_.stage_starts, state_.walls);
   const Stiffness chosen =
@@ -229,6 +230,8 @@ void Run::start_stage() {
   clock.dt = physics_.contacts.dt;
   begin_control(physics_, state_);
   warn(control_warnings(physics_, state_));
+  if (of_this_run && physics_.can_touch)
+    state_.ledger.stage_work += elastic_energy(physics_, state_) - held.energy;
   look();
   start_energy_ = cairn::start_energy(physics_, state_, last_, held);
   announce_start(chosen.why);
@@ -388,9 +391,13 @@ bool Run::checkpoint_asked() {
 void Run::announce_start(const std::string& why_so_stiff) const {
   const std::string& name = scene_.stages[state_.clock.stage].name;
   if (listener_.announce)
-    listener_.announce(fmt::format(
-        "stage '{}': stiffness {:.4g} N/m, {}; time step {:.4g} s, shortest contact {:.4g} s, the {}", name,
-        physics_.k_n, why_so_stiff, physics_.contacts.dt, physics_.contact_time, physics_.shortest_contact));
+    listener_.announce(
+        physics_.can_touch
+            ? fmt::format("stage '{}': stiffness {:.4g} N/m, {}; time step {:.4g} s, shortest contact {:.4g} "
+                          "s, the {}",
+                          name, physics_.k_n, why_so_stiff, physics_.contacts.dt, physics_.contact_time,
+                          physics_.shortest_contact)
+            : fmt::format("stage '{}': nothing touches; time step {:.4g} s", name, physics_.contacts.dt));
   if (!start_energy_.counts()) return;
   const std::string line = fmt::format("stage '{}': {}", name, describe(start_energy_, state_.bodies));
   if (!start_energy_.relaxes)

@@ -90,7 +90,7 @@ StageReport measure(const State& state, double link_gap, double interior) {
   r.hanging_bodies = static_cast<double>(touching.hanging_bodies);
   r.overlap = touching.largest_overlap;
   if (state.clock.steps > 0)  // an operation has no walls of its own
-    r.overlap = std::max(r.overlap, state.walls.largest_overlap(bodies, r.time));
+    r.overlap = std::max(r.overlap, state.walls.deepest(bodies, r.time).ratio);
   return r;
 }
 

@@ -130,6 +130,11 @@ StartEnergy start_energy(const Physics& physics, const State& state, const Obser
   out.deepest = deepest_pair(bodies, state.contacts);
   if (const auto [i, j] = out.deepest; i != j)
     out.overlap = overlap(state, i, j) / std::min(bodies.spheres.radius[i], bodies.spheres.radius[j]);
+  if (const DeepestTouch touch = state.walls.deepest(bodies, state.clock.time()); touch.ratio > out.overlap) {
+    out.overlap = touch.ratio;
+    out.deepest = {touch.sphere, touch.sphere};
+    out.wall = touch.wall;
+  }
   out.duration = 50.0 / relaxation_rate(RelaxSpec{}, physics.softest, physics.body_mass, bodies.size());
   if (physics.gravity != GravityMethod::none)  // what has been pushed apart falls together again
     out.duration = std::max(out.duration, 10.0 * physics.fall_time);
@@ -143,7 +148,11 @@ std::string describe(const StartEnergy& energy, const Bodies& bodies) {
               : fmt::format("{:.3g} J, and nothing that could hold the bodies together", energy.excess);
   if (energy.stiffer > 1.0 + 1e-9)
     text += fmt::format(" beyond what they held, being {:.3g} times stiffer than before", energy.stiffer);
-  if (const auto [i, j] = energy.deepest; i != j)
+  if (energy.wall)
+    text +=
+        fmt::format("; deepest: sphere {} of body {} in wall {}, by {:.3g} of its radius", energy.deepest.i,
+                    bodies.spheres.body[energy.deepest.i], *energy.wall, energy.overlap);
+  else if (const auto [i, j] = energy.deepest; i != j)
     text += fmt::format("; deepest: spheres {} and {} of bodies {} and {}, by {:.3g} of the smaller radius",
                         i, j, bodies.spheres.body[i], bodies.spheres.body[j], energy.overlap);
   if (energy.relaxes) return text + "; the stage takes it out";

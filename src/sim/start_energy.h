@@ -2,6 +2,7 @@
 // put into each other, or that have settled with softer contacts, push a pile apart.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,14 +15,15 @@ namespace cairn {
 
 /// What the contacts hold at the start of a stage beyond what they held before.
 struct StartEnergy {
-  double excess = 0.0;    ///< J
-  double scale = 0.0;     ///< J, what it is compared with
-  const char* of = "";    ///< which that is
-  Pair deepest{0, 0};     ///< spheres with the greatest overlap; i == j: none touch
-  double overlap = 0.0;   ///< of them, over the smaller radius
-  double stiffer = 1.0;   ///< the stiffness over that of the contacts before, at most
-  bool relaxes = false;   ///< the stage takes it out
-  double duration = 0.0;  ///< s, that a stage which takes it out will need, roughly
+  double excess = 0.0;  ///< J
+  double scale = 0.0;   ///< J, what it is compared with
+  const char* of = "";  ///< which that is
+  Pair deepest{0, 0};   ///< spheres with the greatest overlap; i == j: none touch, or it is on a wall
+  std::optional<std::uint32_t> wall;  ///< by its number in the scene, where the greatest overlap is
+  double overlap = 0.0;               ///< of them, over the smaller radius
+  double stiffer = 1.0;               ///< the stiffness over that of the contacts before, at most
+  bool relaxes = false;               ///< the stage takes it out
+  double duration = 0.0;              ///< s, that a stage which takes it out will need, roughly
 
   /// excess over scale; 0 for contacts that hold no more than before.
   double ratio() const;

@@ -87,6 +87,7 @@ struct Ledger {
   double wall_power = 0.0;               ///< W, of these at the last evaluation
   double control_work = 0.0;             ///< J, done by spin control
   double relaxed = 0.0;                  ///< J, taken out by stages that relax
+  double stage_work = 0.0;               ///< J, given to springs by changes from stage to stage
   Vec3 control_momentum = Vec3::Zero();  ///< kg m^2/s, angular momentum given by spin control
   PerturberLedger perturbers;
   Vec3 field_momentum = Vec3::Zero();  ///< kg m/s, given by uniform fields in former stages

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "contact/stiffness.h"
 #include "sim/make_walls.h"
 
 namespace cairn {
@@ -83,6 +84,15 @@ std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies,
             "wall {} is light for a load that some {:.0f} spheres may bear: its motion will not be followed; "
             "take a load_mass of at least {:.3g} kg or a time_step of at most {:.2g} s",
             w, pressing, drive->mass * pressing / most, dt * std::sqrt(most / pressing)));
+    }
+    if (const std::optional<WallDrive>& drive = walls[w].drive; drive && physics.can_touch) {
+      const double force = load_of_a_contact(bodies, std::abs(drive->load)),
+                   deep = force / (physics.softest * smallest);
+      if (deep > physics.overlap_limit)
+        out.push_back(
+            fmt::format("the load on wall {} may press a sphere in by {:.2g} of the smallest radius; "
+                        "overlap_limit is {:g}: a contact.stiffness of {:.3g} N/m would bear it",
+                        w, deep, physics.overlap_limit, force / (physics.overlap_limit * smallest)));
     }
     const WallMotion& motion = walls[w].motion;
     const double turn = motion.spin.norm() * dt;

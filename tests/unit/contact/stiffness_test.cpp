@@ -321,5 +321,16 @@ TEST(Stiffness, EscapeSpeedIsThatOfTheBallTheBodiesWouldMake) {
   EXPECT_NEAR(escape_speed(bodies) / std::sqrt(2.0 * kGravitationalConstant * mass / radius), 1.0, 1e-12);
 }
 
+TEST(Stiffness, BearsTheLoadOnAWall) {
+  const RigidShape ball = make_rigid(load_shape("sphere", "."), MassModel::union_volume);
+  Bodies bodies;
+  add_body(bodies, ball, 0, 2.0, 1000.0, 0, {});
+  const ContactDemand demand{.max_overlap = 0.02, .walls = true, .wall_load = 300.0};
+  EXPECT_NEAR(choose_stiffness(bodies, demand).k_n, 300.0 / (0.02 * bodies.spheres.radius[0]), 1e-6);
+  for (int b = 1; b < 1000; ++b) add_body(bodies, ball, 0, 2.0, 1000.0, 0, {.position = Vec3(9.0 * b, 0, 0)});
+  EXPECT_NEAR(choose_stiffness(bodies, demand).k_n, 8.0 / 100.0 * 300.0 / (0.02 * bodies.spheres.radius[0]),
+              1e-6);
+}
+
 }  // namespace
 }  // namespace cairn

@@ -272,7 +272,11 @@ TEST(SceneErrors, WallsHaveTheKeysOfTheirKind) {
         "s.toml:9:8: key 'wall[0].name': expected more than digits, which stand for walls without a name, "
         "found '12'"},
        {"[[wall]]\nkind = 'plane'\nname = 'lid'\n[[wall]]\nkind = 'plane'\nname = 'lid'",
-        "s.toml:12:8: key 'wall[1].name': expected a name of its own, found 'lid' for a second time"}});
+        "s.toml:12:8: key 'wall[1].name': expected a name of its own, found 'lid' for a second time"},
+       {"[[wall]]\nkind = 'plane'\nname = 'lid'\n[[wall]]\nkind = 'plane'\nname = 'lid_mean'",
+        "s.toml:12:8: key 'wall[1].name': found 'lid_mean' beside 'lid', whose columns of the series have "
+        "such "
+        "names; expected another"}});
 }
 
 TEST(SceneErrors, Stages) {

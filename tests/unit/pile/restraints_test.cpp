@@ -159,6 +159,134 @@ TEST_F(Restraints, HeldBodiesCanBeCarved) {
   EXPECT_EQ(end.bodies.held.size(), end.bodies.size());
 }
 
+/// A ball between a held one and a floor, pressed into both.
+constexpr const char* kPressed = R"(
+[[body]]
+shape = "sphere"
+density = 2000
+held = {}
+[[body]]
+shape = "sphere"
+density = 2000
+position = [0, 0, -1.94]
+[[wall]]
+kind = "plane"
+point = [0, 0, -2.9]
+[contact]
+stiffness = 1e6
+[gravity]
+method = "none"
+[[stage]]
+name = "relax"
+duration = 20
+relax = {}
+)";
+
+TEST_F(Restraints, WhatIsPressedIntoHeldBodiesAndWallsRelaxes) {
+  EXPECT_EQ(run_to_end(kPressed, "whole.h5"), 0);
+  EXPECT_GE(run_to_end(kPressed, "pieces.h5", true), 2);
+  const State a = end_of("whole.h5"), b = end_of("pieces.h5");
+  EXPECT_EQ(a.bodies.position, b.bodies.position);
+  EXPECT_NEAR(a.bodies.position[1].z(), -1.95, 1e-3);  // where both press alike
+  EXPECT_EQ(a.bodies.position[0], Vec3::Zero());
+  const ResultFile file = ResultFile::open(folder_ / "whole.h5");
+  const double held = file.read_series("elastic_energy").front();
+  EXPECT_NEAR(held, 0.5e6 * (0.06 * 0.06 + 0.04 * 0.04), 1e-6 * held);
+  const auto last = [&](const char* column) { return file.read_series(column).back(); };
+  EXPECT_NEAR(
+      last("elastic_energy") + last("kinetic_energy") + last("dissipated_work") + last("relaxed_work"), held,
+      5e-3 * held);
+  EXPECT_LT(last("kinetic_energy"), 1e-3 * held);
+}
+
+TEST_F(Restraints, AStageIsNotQuietWhileAWallFalls) {
+  run_to_end(R"(
+[[body]]
+shape = "sphere"
+density = 2000
+position = [0, 0, 0.99]
+[[wall]]
+kind = "plane"
+[[wall]]
+kind = "plane"
+normal = [0, 0, -1]
+point = [0, 0, 4]
+load = 1000
+load_mass = 1000
+load_damping = 2000
+[contact]
+stiffness = 1e6
+[gravity]
+method = "none"
+[[stage]]
+name = "press"
+duration = 30
+quiet_speed = 1e-3
+)",
+             "press.h5");
+  const State end = end_of("press.h5");
+  EXPECT_GT(end.walls.driven.place[1], 2.0);  // it has come down
+  EXPECT_LT(end.clock.time(), 29.0);
+}
+
+TEST_F(Restraints, WorkOfAChangeOfStiffnessIsTold) {
+  const std::string scene = R"(
+[[body]]
+shape = "sphere"
+density = 2000
+position = [0, 0, 0.97]
+[[body]]
+shape = "sphere"
+density = 2000
+position = [0, 0, 2.95]
+[[wall]]
+kind = "plane"
+[[material]]
+name = "elastic"
+restitution_normal = 1
+restitution_tangential = 1
+[contact]
+stiffness = 1e6
+steps_per_contact = 400
+[gravity]
+method = "none"
+field = [0, 0, -1]
+[output]
+series_interval = 0.002
+[[stage]]
+name = "soft"
+duration = 0.2
+[[stage]]
+name = "hard"
+duration = 0.2
+stiffness = 3e6
+)";
+  run_to_end(scene, "two.h5");
+  const ResultFile file = ResultFile::open(folder_ / "two.h5");
+  std::vector<double> sum(file.read_series("time").size(), 0.0);
+  for (const char* column : {"kinetic_energy", "elastic_energy", "field_energy", "dissipated_work"}) {
+    const std::vector<double> values = file.read_series(column);
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += values[k];
+  }
+  const std::vector<double> given = file.read_series("stage_work"),
+                            elastic = file.read_series("elastic_energy");
+  EXPECT_EQ(given.front(), 0.0);
+  EXPECT_GT(given.back(), 0.1 * elastic.front());
+  for (std::size_t k = 0; k < sum.size(); ++k)
+    EXPECT_NEAR(sum[k] - given[k], sum[0], 2e-3 * elastic.front()) << k;
+}
+
+TEST_F(Restraints, APileWhoseBodiesNameAWallThatIsNotHereIsSaid) {
+  const std::string rest = std::string(kElastic) + kRest;
+  run_to_end(kScene + rest + kFirst, "first.h5");
+  std::string renamed = rest;
+  renamed.replace(renamed.find("\"lid\""), 5, "\"top\"");
+  Scene scene = parse_scene("pile = 'first.h5'\n" + renamed + kSecond, "s.toml", folder_.path());
+  const std::vector<std::string> warnings = assemble(scene).warnings;
+  EXPECT_TRUE(std::ranges::any_of(
+      warnings, [](const std::string& w) { return w.find("touch a wall 'lid'") != w.npos; }));
+}
+
 TEST_F(Restraints, ScenesThatCannotBeAreRefused) {
   const auto error_of = [&](const std::string& text) -> std::string {
     try {

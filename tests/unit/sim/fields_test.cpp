@@ -50,6 +50,7 @@ State state_of_many_numbers() {
               number(),
               number(),
               number(),
+              number(),
               vector(),
               {number(), vector(), vector(), {vector(), vector(), number()}},
               vector(),

@@ -435,6 +435,33 @@ duration = 1
   EXPECT_NEAR(assigned.ratio(), 0.5 * stiff * overlap * overlap / energy, 1e-3 * assigned.ratio());
 }
 
+/// Of a sphere put into a wall, where no bodies touch each other.
+TEST(Stages, EnergyHeldOnAWallAtTheStartIsTold) {
+  const Folder folder;
+  auto pile = new_run(R"(
+[[body]]
+shape = "sphere"
+density = 2000
+[[wall]]
+kind = "plane"
+point = [0, 0, -5]
+[[wall]]
+kind = "plane"
+[contact]
+stiffness = 1e8
+[gravity]
+method = "direct"
+[[stage]]
+name = "a"
+duration = 0.01
+)",
+                      balls({{0, 0, 0.94}, {8, 0, 9}}), folder / "run.h5");
+  pile.advance({});
+  EXPECT_TRUE(pile.start_energy().counts());
+  EXPECT_EQ(pile.start_energy().wall, 1u);
+  EXPECT_NEAR(pile.start_energy().overlap, 0.06, 1e-12);
+}
+
 TEST(Stages, MaterialsThatAllHaveTheirStiffnessNeedNoOther) {
   const std::string text = R"(
 [[material]]
