@@ -45,20 +45,10 @@ State state_of_many_numbers() {
   s.relaxation = {{0, 1, 0}, number(), 12};
   s.frame = {vector(), vector()};
   s.shift = {vector(), vector()};
-  s.ledger = {number(),
-              number(),
-              number(),
-              number(),
-              number(),
-              number(),
-              vector(),
-              {number(), vector(), vector(), {vector(), vector(), number()}},
-              vector(),
-              true,
-              number(),
-              number(),
-              vector(),
-              vector()};
+  s.ledger = {number(), number(), number(), number(),
+              number(), number(), vector(), {number(), vector(), vector(), {vector(), vector(), number()}},
+              vector(), true,     number(), number(),
+              vector(), vector()};
   s.k_n = number();
   s.region_volume = number();
   s.stage_starts = {0.0, number(), number()};
