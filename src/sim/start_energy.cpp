@@ -114,6 +114,7 @@ StartEnergy start_energy(const Physics& physics, const State& state, const Obser
                          const HeldBefore& held) {
   const Bodies& bodies = state.bodies;
   StartEnergy out{.excess = observation.elastic - held.energy,
+                  .wall = {},
                   .stiffer = stiffening(held.contacts, physics.contacts),
                   .relaxes = physics.relax.has_value()};
   if (observation.gravitational < 0.0) {
