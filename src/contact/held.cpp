@@ -1,7 +1,7 @@
 #include "contact/held.h"
 
+#include "contact/sweep.h"
 #include "core/parallel.h"
-#include "core/vector.h"
 
 namespace cairn {
 
@@ -97,18 +97,12 @@ double HeldBodies::power(double time, const Vec3& field, const Bodies& bodies) c
 double HeldBodies::kicked(double time, const ContactList& contacts, const Bodies& bodies) const {
   const std::vector<WallPose> now = poses(time);
   double work = 0.0;
-  const auto give = [&](std::uint32_t s, const Vec3& impulse, const Vec3& moment) {
+  for_each_kick(contacts, [&](std::uint32_t s, const Vec3& impulse, const Vec3& moment) {
     const std::uint32_t b = bodies.spheres.body[s];
     if (!is_held(bodies, b)) return;
     const WallPose& pose = now[bodies.held[b] - 1];
     work -= impulse.dot(pose.velocity_at(bodies.spheres.position[s])) + moment.dot(pose.spin);
-  };
-  for (const std::vector<PartialKick>& block : contacts.kicks)
-    for (const PartialKick& kick : block) {
-      const Vec3 impulse = vector(kick.impulse.force);
-      give(kick.pair.i, impulse, vector(kick.impulse.torque_i));
-      give(kick.pair.j, -impulse, vector(kick.impulse.torque_j));
-    }
+  });
   return work;
 }
 

@@ -74,9 +74,8 @@ struct ContactLaws {
 };
 
 /// That of any two of the bodies, or of a body and a wall, in the worst direction; held bodies are walls to
-/// it. No mode of a contact is
-/// faster than its time over pi. Exact for two equal bodies in the worst position, an upper bound on the
-/// frequency otherwise.
+/// it. No mode of a contact is faster than its time over pi. Exact for two equal bodies in the worst
+/// position, an upper bound on the frequency otherwise.
 ShortestContact shortest_contact(const Bodies& bodies, const ContactLaws& laws);
 
 /// A pile's coordination adds stiffnesses on one light body; steps longer than this part of the shortest

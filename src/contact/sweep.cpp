@@ -432,17 +432,11 @@ Pair deepest_pair(const Bodies& bodies, const ContactList& contacts) {
 
 void apply_partial_kicks(const ContactList& contacts, Bodies& bodies) {
   const Spheres& spheres = bodies.spheres;
-  const auto give = [&](std::uint32_t s, const Vec3& impulse, const Vec3& moment) {
+  for_each_kick(contacts, [&](std::uint32_t s, const Vec3& impulse, const Vec3& moment) {
     const std::uint32_t b = spheres.body[s];
     bodies.velocity[b] += impulse / bodies.mass[b];
     bodies.spin[b] += moment + (spheres.position[s] - bodies.position[b]).cross(impulse);
-  };
-  for (const std::vector<PartialKick>& block : contacts.kicks)
-    for (const PartialKick& kick : block) {
-      const Vec3 impulse = vector(kick.impulse.force);
-      give(kick.pair.i, impulse, vector(kick.impulse.torque_i));
-      give(kick.pair.j, -impulse, vector(kick.impulse.torque_j));
-    }
+  });
 }
 
 double stored_energy(const Bodies& bodies, const SweepSettings& settings, const ContactList& contacts) {

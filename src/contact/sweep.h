@@ -7,6 +7,7 @@
 #include "contact/dashpots.h"
 #include "contact/gather.h"
 #include "contact/kinematics.h"
+#include "core/vector.h"
 
 namespace cairn {
 
@@ -33,6 +34,18 @@ Pair deepest_pair(const Bodies& bodies, const ContactList& contacts);
 
 /// Gives the bodies the impulses of contacts that began or ended within the step of the last sweep.
 void apply_partial_kicks(const ContactList& contacts, Bodies& bodies);
+
+/// Calls give(sphere, impulse (N s), moment about its centre (N m s)) for both spheres of each of these
+/// kicks, in their order.
+template <class Give>
+void for_each_kick(const ContactList& contacts, const Give& give) {
+  for (const std::vector<PartialKick>& block : contacts.kicks)
+    for (const PartialKick& kick : block) {
+      const Vec3 impulse = vector(kick.impulse.force);
+      give(kick.pair.i, impulse, vector(kick.impulse.torque_i));
+      give(kick.pair.j, Vec3(-impulse), vector(kick.impulse.torque_j));
+    }
+}
 
 /// Energy stored in all springs (J), at the spheres' present positions.
 double stored_energy(const Bodies& bodies, const SweepSettings& settings, const ContactList& contacts);

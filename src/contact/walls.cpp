@@ -317,24 +317,25 @@ void Walls::set_laws(const std::vector<Material>& materials, const std::vector<M
 std::vector<WallPose> Walls::poses(double time) const {
   std::vector<WallPose> out;
   for (std::size_t w = 0; w < walls.size(); ++w) {
-    WallPose pose = walls[w].motion.pose(time);
-    if (const std::optional<WallDrive>& drive = walls[w].drive) {
-      pose.shift += driven.place[scene_number(w)] * drive->axis;
-      pose.velocity += driven.speed[scene_number(w)] * drive->axis;
-    }
-    out.push_back(pose);
+    out.push_back(walls[w].motion.pose(time));
+    drive(w, 0.0, out.back());
   }
   return out;
+}
+
+void Walls::drive(std::size_t wall, double ago, WallPose& pose) const {
+  if (!walls[wall].drive) return;
+  const Vec3& axis = walls[wall].drive->axis;
+  const std::uint32_t n = scene_number(wall);
+  pose.shift += (driven.place[n] - ago * driven.speed[n]) * axis;
+  pose.velocity += driven.speed[n] * axis;
 }
 
 std::vector<WallPose> Walls::poses_before(double time, double dt) const {
   std::vector<WallPose> out;
   for (std::size_t w = 0; w < walls.size(); ++w) {
     out.push_back(walls[w].motion.pose(time - dt));
-    if (const std::optional<WallDrive>& drive = walls[w].drive) {
-      const std::uint32_t n = scene_number(w);
-      out.back().shift += (driven.place[n] - dt * driven.speed[n]) * drive->axis;
-    }
+    drive(w, dt, out.back());
   }
   return out;
 }
@@ -342,15 +343,20 @@ std::vector<WallPose> Walls::poses_before(double time, double dt) const {
 std::vector<WallPose> Walls::mid_step(double time, double dt) const {
   std::vector<WallPose> out;
   for (std::size_t w = 0; w < walls.size(); ++w) {
-    WallPose pose = walls[w].motion.mid_step(time, dt);
-    if (const std::optional<WallDrive>& drive = walls[w].drive) {
-      const double speed = driven.speed[scene_number(w)];
-      pose.shift += (driven.place[scene_number(w)] - 0.5 * dt * speed) * drive->axis;
-      pose.velocity += speed * drive->axis;
-    }
-    out.push_back(pose);
+    out.push_back(walls[w].motion.mid_step(time, dt));
+    drive(w, 0.5 * dt, out.back());
   }
   return out;
+}
+
+double Walls::kinetic_energy() const {
+  double energy = 0.0;
+  for (std::size_t w = 0; w < walls.size(); ++w)
+    if (const std::optional<WallDrive>& drive = walls[w].drive) {
+      const double speed = driven.speed[scene_number(w)];
+      energy += 0.5 * drive->mass * (speed * speed);
+    }
+  return energy;
 }
 
 WallFilter Walls::filter(const Bodies& bodies) const {

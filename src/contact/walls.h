@@ -72,6 +72,8 @@ class Walls {
                      const SweepSettings& settings, double time);
   /// Energy (J) in the springs of the contacts.
   double stored_energy(const Bodies& bodies, const SweepSettings& settings, double time) const;
+  /// Kinetic energy (J) of walls under a load.
+  double kinetic_energy() const;
   /// The greatest overlap.
   DeepestTouch deepest(const Bodies& bodies, double time) const;
   /// @throws InputError when the contacts, read from a file, are not of these walls and spheres.
@@ -90,6 +92,9 @@ class Walls {
   /// Returns the effective mass along the normal (kg).
   double set_damping(const Bodies& bodies, const SweepSettings& settings, const WallPose& pose,
                      const WallTouch& touch, WallContact& contact) const;
+  /// Adds to the pose that a wall's motion alone gives what its load has done, a time `ago` (s) within a
+  /// step.
+  void drive(std::size_t wall, double ago, WallPose& pose) const;
   std::vector<WallPose> poses_before(double time, double dt) const;
   std::vector<WallPose> mid_step(double time, double dt) const;
   WallFilter filter(const Bodies& bodies) const;

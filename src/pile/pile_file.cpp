@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <optional>
 #include <ranges>
-#include <set>
 
 #include "core/error.h"
 #include "io/results.h"
 #include "pile/match_walls.h"
 #include "sim/check_state.h"
 #include "sim/fields.h"
+#include "sim/make_walls.h"
 #include "sim/restraints.h"
 #include "sim/run.h"
 #include "sim/springs.h"
@@ -67,16 +67,6 @@ std::optional<FormerStage> last_stage(const Scene& scene, const State& state) {
   while (last > 0 && scene.stages[last].operates()) --last;
   if (scene.stages[last].operates()) return {};
   return FormerStage{resolve_laws(scene, last, state.bodies, state.k_n), {}, last == state.clock.stage};
-}
-
-/// The names in sets of walls, see set_of_walls.
-std::set<std::string> walls_of_sets(const std::vector<std::string>& sets) {
-  std::set<std::string> out;
-  for (const std::string& set : sets)
-    for (std::size_t begin = 1, end; (end = set.find(',', begin)) != set.npos; begin = end + 1)
-      out.insert(set.substr(begin, end - begin));
-  out.erase("");
-  return out;
 }
 
 /// Which of the checkpoint's fields make a pile, whatever version of the program has made it, and how.
@@ -148,7 +138,7 @@ Setup read_pile(const std::filesystem::path& path, const Scene& scene, const std
         match_materials(names, state.bodies, former, scene, setup.notes);
     for (std::uint16_t& m : state.bodies.material) m = numbers[m];
   });
-  for (const std::string& name : walls_of_sets(setup.wall_sets))
+  for (const std::string& name : names_of_walls(setup.wall_sets))
     if (!std::ranges::any_of(std::views::iota(std::size_t{0}, scene.walls.size()),
                              [&](std::size_t w) { return wall_name(scene, w) == name; }))
       setup.warnings.push_back(

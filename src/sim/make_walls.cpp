@@ -91,6 +91,15 @@ std::string set_of_walls(const std::vector<std::string>& names) {
   return set;
 }
 
+std::set<std::string> names_of_walls(const std::vector<std::string>& sets) {
+  std::set<std::string> out;
+  for (const std::string& set : sets)
+    for (std::size_t begin = 1, end; (end = set.find(',', begin)) != set.npos; begin = end + 1)
+      out.insert(set.substr(begin, end - begin));
+  out.erase("");
+  return out;
+}
+
 std::vector<std::vector<std::uint8_t>> touching_walls(const Scene& scene,
                                                       const std::vector<std::string>& sets) {
   std::vector<std::vector<std::uint8_t>> out;

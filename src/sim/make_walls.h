@@ -1,6 +1,8 @@
 // The walls of a scene.
 #pragma once
 
+#include <set>
+
 #include "contact/walls.h"
 #include "io/scene.h"
 
@@ -23,6 +25,8 @@ void set_walls(const Scene& scene, std::size_t stage, const std::vector<Wall>& w
 
 /// Walls by their names, as Setup::wall_sets holds them: ",floor,lid,".
 std::string set_of_walls(const std::vector<std::string>& names);
+/// The names in such sets, each once.
+std::set<std::string> names_of_walls(const std::vector<std::string>& sets);
 /// For each of such sets and each wall of the scene whether it is among them, see Walls::sets.
 std::vector<std::vector<std::uint8_t>> touching_walls(const Scene& scene,
                                                       const std::vector<std::string>& sets);

@@ -315,21 +315,12 @@ void advance(const Vec3& half_stretch, double dt, State& state, Scratch& scratch
   move_motions(bodies.spheres, scratch.motions);
 }
 
-/// Of a wall under a load (m^2/s^2).
-double squared_speed(const State& state, std::size_t wall) {
-  const double speed = state.walls.driven.speed[state.walls.scene_number(wall)];
-  return speed * speed;
-}
-
 bool is_quiet(const Physics& physics, const State& state, Scratch& scratch) {
   if (!physics.quiet_energy && !physics.quiet_speed) return false;
   if (state.clock.step % physics.quiet_steps != 0 || state.clock.stage_time() < 0.1 * physics.duration)
     return false;
   ScopedTimer timer(time_of(scratch, Phase::control));
-  double energy = agitation(state, budget(state.bodies));
-  for (std::size_t w = 0; w < state.walls.walls.size(); ++w)
-    if (const std::optional<WallDrive>& drive = state.walls.walls[w].drive)
-      energy += 0.5 * drive->mass * squared_speed(state, w);
+  const double energy = agitation(state, budget(state.bodies)) + state.walls.kinetic_energy();
   if (physics.quiet_speed && energy < 0.5 * physics.body_mass * *physics.quiet_speed * *physics.quiet_speed)
     return true;
   return physics.quiet_energy &&

@@ -84,8 +84,6 @@ std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies,
             "wall {} is light for a load that some {:.0f} spheres may bear: its motion will not be followed; "
             "take a load_mass of at least {:.3g} kg or a time_step of at most {:.2g} s",
             w, pressing, drive->mass * pressing / most, dt * std::sqrt(most / pressing)));
-    }
-    if (const std::optional<WallDrive>& drive = walls[w].drive; drive && physics.can_touch) {
       const double force = load_of_a_contact(bodies, std::abs(drive->load)),
                    deep = force / (physics.softest * smallest);
       if (deep > physics.overlap_limit)
