@@ -15,10 +15,11 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    std::vector<Material> materials(2);
-    materials[0].name = "nominal";
-    materials[1].name = "smooth";
-    const Setup packing = read_pile(argv[1], materials);
+    Scene scene;
+    scene.materials.resize(2);
+    scene.materials[0].name = "nominal";
+    scene.materials[1].name = "smooth";
+    const Setup packing = read_pile(argv[1], scene, {});
     const Bodies& bodies = packing.bodies;
     Bodies placed = bodies;
     place_spheres(placed);
