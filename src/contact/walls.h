@@ -1,6 +1,7 @@
 // Walls of every kind, obeying the contact law with a partner of infinite radius and mass.
 #pragma once
 
+#include <tuple>
 #include <vector>
 
 #include "body/bodies.h"
@@ -17,6 +18,11 @@ struct WallContact {
   std::uint32_t sphere, wall, feature;
   ContactMemory<double> memory;
 };
+
+/// The order of Walls::contacts.
+inline bool in_order(const WallContact& a, const WallContact& b) {
+  return std::tuple(a.sphere, a.wall, a.feature) < std::tuple(b.sphere, b.wall, b.feature);
+}
 
 /// What a sweep over the walls reports.
 struct WallReport {
