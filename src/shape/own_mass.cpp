@@ -21,8 +21,16 @@ MassSpread spread_of_spheres(const Shape& shape) {
 
 namespace {
 
-double cube(double x) {
-  return x * x * x;
+/// Mean of the centres by the volumes of the spheres.
+Vec3 center_by_volume(const Shape& shape) {
+  double volume = 0.0;
+  Vec3 center = Vec3::Zero();
+  for (std::size_t i = 0; i < shape.radii.size(); ++i) {
+    const double r = shape.radii[i];
+    volume += r * r * r;
+    center += r * r * r * shape.centers[i];
+  }
+  return center / volume;
 }
 
 std::optional<MassComplaint> check_inertia(const Mat3& inertia) {
@@ -63,13 +71,9 @@ std::optional<MassComplaint> check_own_mass(const Shape& shape) {
   }
   if (!own.inertia) return {};
   if (const auto complaint = check_inertia(*own.inertia)) return complaint;
-  double volume = 0.0, reach = 0.0;
-  Vec3 center = Vec3::Zero();
-  for (std::size_t i = 0; i < shape.radii.size(); ++i) {
-    volume += cube(shape.radii[i]);
-    center += cube(shape.radii[i]) * shape.centers[i];
-  }
-  center = own.center.value_or(center / volume);
+  const Vec3 center =
+      own.center.value_or(own.of_spheres.empty() ? center_by_volume(shape) : spread_of_spheres(shape).center);
+  double reach = 0.0;
   for (std::size_t i = 0; i < shape.radii.size(); ++i)
     reach = std::max(reach, (shape.centers[i] - center).norm() + shape.radii[i]);
   const double gyration = std::sqrt(0.5 * own.inertia->trace());

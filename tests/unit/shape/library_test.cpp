@@ -182,6 +182,19 @@ TEST_F(LibraryTest, MassesOfTheShapesOwnAreReadAndRefused) {
           .starts_with(":7:18: key 'center_of_mass': expected that of the spheres' masses, [0, 0.5, 0]"));
 }
 
+TEST_F(LibraryTest, InertiaIsHeldAgainstTheReachFromTheCentreOfTheMassesGiven) {
+  // The light sphere is 11 from the mass centre; the mean by volume is in the middle.
+  const auto end = [&](const char* light, const char* inertia) {
+    return message(kGood + "mass = 1\n[[sphere]]\ncenter = [10, 0.5, 0]\nradius = 1\nmass = " + light +
+                   "\n[body]\ninertia = " + inertia + "\n");
+  };
+  EXPECT_EQ(end("1e-6", "[150, 150, 150]"), "accepted");  // a radius of gyration of 15
+  EXPECT_NE(end("1", "[150, 150, 150]").find("whose spheres reach 6 from its mass centre, found 15"),
+            std::string::npos);
+  EXPECT_NE(end("1e-6", "[400, 400, 400]").find("whose spheres reach 11 from its mass centre, found 24.49"),
+            std::string::npos);
+}
+
 TEST_F(LibraryTest, MassesOfTheShapesOwnAreWritten) {
   Shape shape{
       .name = "grain", .description = "", .centers = {Vec3::Zero(), Vec3::UnitX()}, .radii = {1.0, 0.3}};
