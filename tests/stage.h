@@ -26,7 +26,7 @@ struct Stage {
   void begin(const std::vector<ContactRecord>& inherited = {}) {
     state.remnant.resize(state.bodies.size(), 1);
     physics = resolve_physics(scene, 0, state.bodies,
-                              resolve_stiffness(scene, 0, state.bodies, state.walls.walls, state.k_n).k_n);
+                              resolve_stiffness(scene, 0, state.bodies, state.walls, state.k_n).k_n);
     begin_stage(physics, inherited, state, scratch);
     state.clock.steps = physics.steps;
     state.clock.dt = physics.contacts.dt;

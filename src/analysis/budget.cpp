@@ -83,4 +83,11 @@ Budget budget(const Bodies& bodies) {
   return result;
 }
 
+double held_mass(const Bodies& bodies) {
+  double mass = 0.0;
+  for (std::size_t b = 0; b < bodies.held.size(); ++b)
+    if (is_held(bodies, b)) mass += bodies.mass[b];
+  return mass;
+}
+
 }  // namespace cairn

@@ -22,4 +22,7 @@ struct Budget {
 /// Totals; all zero for no bodies.
 Budget budget(const Bodies& bodies);
 
+/// Mass (kg) of the bodies that are held.
+double held_mass(const Bodies& bodies);
+
 }  // namespace cairn

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "analysis/budget.h"
 #include "app/commands.h"
 #include "contact/stiffness.h"
 #include "core/error.h"
@@ -42,7 +43,8 @@ Trial try_stage(const Scene& scene, std::size_t stage, const Physics& physics,
   place_spheres(state.bodies);
   const HeldBefore held =
       held_before(scene, stage, physics, state, contacts, former ? &former->physics : nullptr);
-  begin_stage(physics, contacts, state, scratch, former);
+  scene.sources.at(fmt::format("stage[{}]", stage),
+                   [&] { begin_stage(physics, contacts, state, scratch, former); });
   state.clock.dt = physics.contacts.dt;
   begin_control(physics, state);
   Trial trial;
@@ -96,11 +98,13 @@ void check(const Options& options) {
   std::vector<Wall> all_walls = make_walls(scene);
   lead_walls(state.wall_lead, all_walls);
   use_threads_for(bodies.spheres.size());
-  double mass = 0.0;
-  for (double m : bodies.mass) mass += m;
-  fmt::print("{}: {}\n{} bodies, {} spheres, {:.4g} kg; escape speed of the pile {:.3g} m/s\n",
-             options.scene.string(), scene.title, bodies.size(), bodies.spheres.size(), mass,
-             escape_speed(bodies));
+  const double held_kg = held_mass(bodies);
+  fmt::print(
+      "{}: {}\n{} bodies, {} spheres, {:.4g} kg{}; escape speed of the pile {:.3g} m/s\n",
+      options.scene.string(), scene.title, bodies.size(), bodies.spheres.size(),
+      budget(bodies).mass + held_kg,
+      state.held.empty() ? "" : fmt::format(", {} of them held, {:.4g} kg", state.held.body.size(), held_kg),
+      escape_speed(bodies));
   for (const std::string& note : scene.files.notes()) fmt::print("mesh         {}\n", note);
   for (const std::string& note : notes) fmt::print("pile         {}\n", note);
   for (const std::string& what : lost) fmt::print("warning      {}\n", what);
@@ -125,7 +129,7 @@ void check(const Options& options) {
       place_spheres(state.bodies);
       continue;
     }
-    const std::vector<Wall> walls = walls_of_stage(scene, k, all_walls);
+    const Walls walls = walls_of_stage(scene, k, all_walls, state.walls.driven);
     const Stiffness stiffness = resolve_stiffness(scene, k, bodies, walls, held);
     const double k_n = stiffness.k_n;
     const Physics physics = resolve_physics(scene, k, bodies, k_n);
@@ -161,7 +165,8 @@ void check(const Options& options) {
     warn(first ? warnings(physics, bodies, walls) : lasting_warnings(physics));
     if (first) warn(trial->warnings);
     if (first && trial->start.counts())
-      fmt::print("  {}    {}\n", physics.relax ? "energy " : "warning", describe(trial->start, bodies));
+      fmt::print("  {}    {}\n", physics.relax ? "energy " : "warning",
+                 describe(trial->start, scene, bodies));
     const double stiffer = former && !first ? stiffening(former->contacts, physics.contacts) : 1.0;
     if (stiffer > 2.0 && physics.gravity != GravityMethod::none && !physics.relax)
       fmt::print(

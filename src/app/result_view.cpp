@@ -3,7 +3,6 @@
 #include <charconv>
 
 #include "core/error.h"
-#include "sim/fields.h"
 #include "sim/run.h"
 
 namespace cairn {

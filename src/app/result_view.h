@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "io/results.h"
+#include "sim/fields.h"
 #include "sim/state.h"
 
 namespace cairn {
@@ -31,7 +32,7 @@ class ResultView {
 
   const Bodies& bodies() const { return state_.bodies; }
   const Control& control() const { return state_.control; }
-  std::uint64_t total_steps() const { return state_.clock.total_steps; }
+  Reached reached() const { return cairn::reached(file_, state_.clock); }
   const std::vector<std::string>& shapes() const { return shapes_; }
   const std::string& title() const { return title_; }
   std::string outcome() const;

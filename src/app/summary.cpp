@@ -60,8 +60,8 @@ const std::vector<Row>& rows() {
   static const std::vector<Row> table{
       {"bodies", [](auto& v) { return fmt::format("{}", v.bodies().size()); }},
       {"spheres", [](auto& v) { return fmt::format("{}", v.bodies().spheres.size()); }},
-      {"simulated time", [](auto& v) { return duration_text(last(v, "time")); }},
-      {"steps", [](auto& v) { return fmt::format("{}", v.total_steps()); }},
+      {"simulated time", [](auto& v) { return duration_text(v.reached().time); }},
+      {"steps", [](auto& v) { return fmt::format("{}", v.reached().steps); }},
       {"shortest period held", [](auto& v) { return period_text(v.control().shortest_period); }},
       {"verdict on the spin-up", [](auto& v) { return verdict(v.control()); }},
       {"failure at period", [](auto& v) { return period_text(v.control().failure_period); }},

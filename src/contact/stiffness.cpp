@@ -202,8 +202,21 @@ StiffnessChoice choose_stiffness(const Bodies& bodies, const ContactDemand& dema
     double cube = cubed_radii(bodies, b);
     if (other) cube = std::min(cube, cubed_radii(bodies, *other));
     const double force = pull(bodies, demand, s, other) + load * squared(std::cbrt(cube));
-    const double k_n = std::max(impact, force / (demand.max_overlap * smaller_radius(bodies, s, other)));
-    if (k_n > choice.k_n) choice = {k_n, k_n == impact, s, {b, other}};
+    const double aim = demand.max_overlap * smaller_radius(bodies, s, other), rest = force / aim;
+    double fall = 0.0;  // a light body takes no more of it than its speed, the wall's, needs
+    if (demand.wall_fall > 0.0)
+      fall = 2.0 / squared(aim) *
+             std::max(load_of_a_contact(bodies, demand.wall_fall),
+                      std::min(1.0, lighter / demand.wall_mass) * demand.wall_fall);
+    using Cause = StiffnessChoice::Cause;
+    const double k_n = std::max({impact, fall, rest});
+    if (k_n > choice.k_n)
+      choice = {k_n,
+                k_n == impact ? Cause::impact
+                : k_n == fall ? Cause::wall_fall
+                              : Cause::load,
+                s,
+                {b, other}};
   });
   return choice;
 }

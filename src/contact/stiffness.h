@@ -21,10 +21,12 @@ struct ContactDemand {
   double wall_cohesion = 0.0;  ///< the same of a body and a wall
   bool walls = false;
   double wall_load = 0.0;  ///< N, greatest that moves a wall
+  double wall_fall = 0.0;  ///< J, greatest that a load gives a wall before it touches
+  double wall_mass = 0.0;  ///< kg, least of such a wall
 };
 
-/// What one contact bears of a load (N) on a wall, at most: all of it, or where the bodies are many 8 times
-/// the mean of a layer of them, for force chains.
+/// What one contact bears of a load (N) on a wall, or takes up of the energy with which it falls, at most:
+/// all of it, or where the bodies are many 8 times the mean of a layer of them, for force chains.
 double load_of_a_contact(const Bodies& bodies, double load);
 
 /// A body and what it meets: another one, or a wall, or one of its kind where it is alone.
@@ -35,9 +37,10 @@ struct Encounter {
 
 /// The normal stiffness, and what asks for so much.
 struct StiffnessChoice {
-  double k_n = 0.0;          ///< N/m; 0: nothing loads the contacts
-  bool impact = false;       ///< a blow asks for it; otherwise a load at rest
-  std::uint32_t sphere = 0;  ///< whose radius bounds the overlap
+  enum class Cause { impact, wall_fall, load };
+  double k_n = 0.0;           ///< N/m; 0: nothing loads the contacts
+  Cause cause = Cause::load;  ///< a blow of bodies or of a wall under its load, or a load at rest
+  std::uint32_t sphere = 0;   ///< whose radius bounds the overlap
   Encounter encounter;
 };
 
@@ -45,7 +48,8 @@ struct StiffnessChoice {
 /// pair, in every pair that can meet: k >= m (v / x)^2 for impacts, m the lighter body's mass (the effective
 /// mass when neighbours, or a wall, hold the other one), and k >= F / x for the static load: pressure at the
 /// centre of the pile, or at the foot of a column in the field, on the smaller body's area, 8 times for force
-/// chains, and cohesion [Zhang et al. 2017, section 2.2].
+/// chains, and cohesion [Zhang et al. 2017, section 2.2]. A wall that falls under its load with the energy E
+/// asks for k >= 2 E' / x^2, E' the part of E that a contact takes up.
 StiffnessChoice choose_stiffness(const Bodies& bodies, const ContactDemand& demand);
 
 /// Strongest pull of cohesion over the smaller radius of its pair (N/m), of all pairs that can meet.

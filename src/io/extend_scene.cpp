@@ -42,12 +42,13 @@ std::string add_stages(const std::string& scene, const std::string& stages, cons
       throw sources.error(SourcePosition{key.source().begin.line, key.source().begin.column}, key.str(),
                           "expected [[stage]] tables only: nothing else of a run can be changed");
   Scene of_keys;  // every key is looked at in its place
-  read_options(stages, file, scene_keys(), of_keys);
+  read_options(stages, sources, scene_keys(), of_keys);
   const toml::table* last = last_stage(added);
   if (!last || last->is_inline()) throw sources.error(SourcePosition{}, "stage", "expected [[stage]] tables");
   const toml::table before = parse_toml(scene, "scene");
   if (last_stage(before)->is_inline())
-    throw InputError("the scene has its stages in an array, stage = [...]; none can be added to it");
+    throw sources.error(
+        "stage", "the scene of the run has its stages in an array, stage = [...]; none can be added to it");
   return scene + (scene.ends_with('\n') ? "" : "\n") + stages;
 }
 

@@ -227,11 +227,9 @@ void each_key(const Value& table, const std::vector<KeyInfo>& keys,
   }
 }
 
-SourceMap each_key_of_text(const std::string& text, const std::string& file, const std::vector<KeyInfo>& keys,
+SourceMap each_key_of_text(const std::string& text, SourceMap sources, const std::vector<KeyInfo>& keys,
                            const std::function<void(std::size_t, const Value&)>& visit) {
-  SourceMap sources;
-  sources.file = file;
-  const toml::table root = parse_toml(text, file);
+  const toml::table root = parse_toml(text, sources.file);
   each_key(Value(root, "", sources), keys, visit);
   return sources;
 }

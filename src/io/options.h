@@ -107,7 +107,8 @@ void each_table(const Value& array, const std::function<void(const Value&)>& vis
 void each_key(const Value& table, const std::vector<KeyInfo>& keys,
               const std::function<void(std::size_t, const Value&)>& visit);
 /// The same for the outermost table of a TOML text; returns where each key stands.
-SourceMap each_key_of_text(const std::string& text, const std::string& file, const std::vector<KeyInfo>& keys,
+/// `sources` knows the files.
+SourceMap each_key_of_text(const std::string& text, SourceMap sources, const std::vector<KeyInfo>& keys,
                            const std::function<void(std::size_t, const Value&)>& visit);
 
 /// Plain-text tables (Markdown) of all keys: name, type, unit, default, bounds, help.
@@ -310,11 +311,12 @@ Key<T> tables(std::string name, std::vector<U> T::*member, const Keys<U>& keys, 
   });
 }
 
-/// Fills `object` from a TOML text; keys not given keep the values they have. Returns where each key stands.
+/// Fills `object` from a TOML text; keys not given keep the values they have. Returns where each key stands;
+/// `sources` knows the files.
 /// @throws InputError with one line: file, line, column, key, what was expected.
 template <class T>
-SourceMap read_options(const std::string& text, const std::string& file, const Keys<T>& keys, T& object) {
-  return each_key_of_text(text, file, keys.infos,
+SourceMap read_options(const std::string& text, SourceMap sources, const Keys<T>& keys, T& object) {
+  return each_key_of_text(text, std::move(sources), keys.infos,
                           [&](std::size_t key, const Value& value) { keys.readers[key](value, object); });
 }
 

@@ -166,9 +166,12 @@ class Checks {
 
     check_oscillation(key);
     check_load(wall, key);
-    if (!given(key + ".oscillation_amplitude") && given(key + ".motion_time") && !given(key + ".velocity") &&
-        !given(key + ".angular_velocity"))
-      throw error(key + ".motion_time", "has no effect on a wall that does not move");
+    if (wall.motion_time && wall.velocity == Vec3::Zero() && wall.angular_velocity == Vec3::Zero() &&
+        wall.oscillation_amplitude == Vec3::Zero())
+      throw error(key + ".motion_time",
+                  "has no effect without a motion that is prescribed; expected velocity, "
+                  "oscillation_amplitude or angular_velocity beside it{}",
+                  wall.load ? ", a load moves the wall from its place" : "");
     if (!given(key + ".rotation_point")) wall.rotation_point = wall.point;
     for (std::size_t i = 0; i < wall.stages.size(); ++i) {
       std::vector<std::string> names;
@@ -215,6 +218,9 @@ class Checks {
   void check_bonds(const Spec& spec, const std::string& key, std::initializer_list<const char*> own) const {
     if (spec.held) {
       check_oscillation(key + ".held");
+      if (spec.held->rotation_point && spec.held->angular_velocity == Vec3::Zero())
+        throw error(key + ".held.rotation_point",
+                    "has no effect without a rotation; expected angular_velocity beside it");
       for (const char* name : own)
         if (given(key + name))
           throw error(key + name, "has no effect on what is held; expected it in 'held'");
@@ -434,14 +440,20 @@ class Checks {
 
 }  // namespace
 
-Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& directory) {
+Scene parse_scene(const std::string& text, SourceMap sources, const std::filesystem::path& directory) {
   Scene scene;
-  scene.sources = read_options(text, name, scene_keys(), scene);
+  scene.sources = read_options(text, std::move(sources), scene_keys(), scene);
   scene.text = text;
   scene.directory = directory;
   scene.files = InputFiles(directory);
   Checks(scene).run();
   return scene;
+}
+
+Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& directory) {
+  SourceMap sources;
+  sources.file = name;
+  return parse_scene(text, std::move(sources), directory);
 }
 
 Scene load_scene(const std::filesystem::path& path) {
@@ -452,6 +464,14 @@ Scene load_scene(const std::filesystem::path& path) {
 std::string wall_name(const Scene& scene, std::size_t wall) {
   const std::string& name = scene.walls[wall].name;
   return name.empty() ? fmt::format("{}", wall) : name;
+}
+
+std::string describe_wall(const Scene& scene, std::size_t wall) {
+  const WallSpec& spec = scene.walls[wall];
+  const char* const kinds[] = {"plane", "sphere", "cylinder", "mesh"};  // as WallKind counts them
+  return fmt::format(
+      "wall {} ({}, {})", spec.name.empty() ? fmt::format("{}", wall) : fmt::format("'{}'", spec.name),
+      kinds[static_cast<std::size_t>(spec.kind)], scene.sources.place(fmt::format("wall[{}]", wall)));
 }
 
 bool contacts_of(const Scene& scene, std::size_t stage) {

@@ -206,7 +206,7 @@ struct SpinSpec {
 
 /// Takes bodies away.
 struct CarveSpec {
-  RegionSpec region;     ///< from the mass centre of the bodies
+  RegionSpec region;     ///< from the mass centre of the bodies that are not held
   bool whole = false;    ///< a body stays if all of its spheres are in the region; otherwise, its centre
   bool outside = false;  ///< those in the region go instead
 };
@@ -220,7 +220,7 @@ struct ScaleSpec {
 
 /// Gives the bodies in a region another density or material.
 struct AssignSpec {
-  RegionSpec region;                     ///< from the mass centre of the bodies
+  RegionSpec region;                     ///< from the mass centre of the bodies that are not held
   bool outside = false;                  ///< those that are not in it instead
   std::optional<double> density;         ///< kg/m^3
   std::optional<double> density_factor;  ///< times their own
@@ -297,11 +297,16 @@ struct Scene {
 /// @throws InputError with one line: file, line, column, key, what was expected.
 Scene load_scene(const std::filesystem::path& path);
 
-/// The same from text already in memory (a result file carries its scene); `name` stands in for the file.
+/// The same from text already in memory (a result file carries its scene); `sources` names the file, or the
+/// two that it comes from.
+Scene parse_scene(const std::string& text, SourceMap sources, const std::filesystem::path& directory);
 Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& directory);
 
 /// What other tables and the columns of the series call wall `wall`: its name, or its number.
 std::string wall_name(const Scene& scene, std::size_t wall);
+
+/// What messages call it: "wall 'lid' (plane, scene.toml:12)", with its number where it has no name.
+std::string describe_wall(const Scene& scene, std::size_t wall);
 
 /// Whether bodies and walls can touch in stage `stage`, were they to meet.
 bool contacts_of(const Scene& scene, std::size_t stage);

@@ -192,14 +192,17 @@ const Keys<WallSpec> kWallKeys = {
         "run that the pile comes from"),
     number("load", &WallSpec::load, "N", magnitude(1e30),
            "force that moves the wall along load_axis, against the bodies: load_mass x acceleration is load, "
-           "what the bodies do along the axis, and -load_damping x speed"),
+           "what the bodies do along the axis, and -load_damping x speed. The automatic stiffness bears its "
+           "fall on the nearest body, load x distance, unless impact_speed is given"),
     vector("load_axis", &WallSpec::load_axis, "", magnitude(1e6),
            "direction of the load, any length but zero; absent: the normal of a plane; others require it"),
     number("load_mass", &WallSpec::load_mass, "kg", above(0, 1e30), "required with a load"),
     number("load_damping", &WallSpec::load_damping, "kg/s", within(0, 1e30), "with a load"),
-    texts("stages", &WallSpec::stages, kName,
-          "names of the stages in which the wall is there, its motion counted from the start of the first; "
-          "empty: all, from the start of the run"),
+    texts(
+        "stages", &WallSpec::stages, kName,
+        "names of the stages in which the wall is there, its motion counted from the start of the first; "
+        "empty: all, from the start of the run. A wall that a load moves stays where it was while it is left "
+        "out, and comes back at rest"),
 };
 
 const Keys<Material> kMaterialKeys = {
@@ -334,7 +337,7 @@ const Keys<SpinSpec> kSpinKeys = {
 
 const Keys<CarveSpec> kCarveKeys = {
     table("region", &CarveSpec::region, kRegionKeys,
-          "What stays; its position counts from the mass centre of all bodies.")
+          "What stays; its position counts from the mass centre of the bodies that are not held.")
         .required(),
     flag("whole", &CarveSpec::whole,
          "a body belongs to the region if all of its spheres lie in it; false: if its mass centre does"),
@@ -342,7 +345,8 @@ const Keys<CarveSpec> kCarveKeys = {
 };
 
 const Keys<ScaleSpec> kScaleKeys = {
-    number("density", &ScaleSpec::density, "kg/m^3", kDensity, "mass of all bodies over the volume")
+    number("density", &ScaleSpec::density, "kg/m^3", kDensity,
+           "mass of all bodies over the volume; that of held ones stays as it is")
         .required(),
     choice("by", &ScaleSpec::by, {{"mass", ScaleBy::mass}, {"size", ScaleBy::size}},
            "masses change and lengths stay, or lengths change (the volume's too) and masses stay"),
@@ -351,8 +355,10 @@ const Keys<ScaleSpec> kScaleKeys = {
 };
 
 const Keys<AssignSpec> kAssignKeys = {
-    table("region", &AssignSpec::region, kRegionKeys,
-          "Bodies with their mass centre here; its position counts from the mass centre of all bodies.")
+    table(
+        "region", &AssignSpec::region, kRegionKeys,
+        "Bodies with their mass centre here; its position counts from the mass centre of the bodies that are "
+        "not held.")
         .required(),
     flag("outside", &AssignSpec::outside, "the bodies that are not in the region"),
     number("density", &AssignSpec::density, "kg/m^3", kDensity, "their new density"),

@@ -53,8 +53,18 @@ InputError SourceMap::error(std::string_view key, std::string_view what) const {
 
 InputError SourceMap::error(SourcePosition position, std::string_view key, std::string_view what) const {
   const std::string named = key.empty() ? "" : fmt::format("key '{}': ", printable(key));
-  return InputError("{}:{}:{}: {}{}", printable(file, 4096), position.line, position.column, named,
-                    printable(what, 1000));
+  const auto [name, there] = in_file(position);
+  return InputError("{}:{}:{}: {}{}", name, there.line, there.column, named, printable(what, 1000));
+}
+
+std::string SourceMap::place(std::string_view key) const {
+  const auto [name, there] = in_file(find(key));
+  return fmt::format("{}:{}", name, there.line);
+}
+
+std::pair<std::string, SourcePosition> SourceMap::in_file(SourcePosition position) const {
+  if (added_file.empty() || position.line < first_added) return {printable(file, 4096), position};
+  return {printable(added_file, 4096), {position.line - first_added + 1, position.column}};
 }
 
 std::vector<std::string> SourceMap::keys() const {

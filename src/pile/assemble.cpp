@@ -25,13 +25,15 @@ class Shapes {
   Shapes(const Scene& scene, std::vector<std::string> names)
       : scene_(scene), names_(std::move(names)), loaded_(names_.size()) {}
 
-  std::uint32_t index(const std::string& name) {
+  /// `key` names the shape.
+  std::uint32_t index(const std::string& name, const std::string& key) {
     const auto k = static_cast<std::size_t>(std::find(names_.begin(), names_.end(), name) - names_.begin());
     if (k == names_.size()) {
       loaded_.emplace_back();
       names_.push_back(name);
     }
-    if (loaded_[k].radii.empty()) loaded_[k] = make_rigid(read(name), scene_.mass_model);
+    if (loaded_[k].radii.empty())
+      loaded_[k] = scene_.sources.at(key, [&] { return make_rigid(read(name), scene_.mass_model); });
     return static_cast<std::uint32_t>(k);
   }
   const std::vector<RigidShape>& all() const { return loaded_; }
@@ -56,22 +58,11 @@ std::uint16_t material_index(const Scene& scene, const std::string& name) {
   return static_cast<std::uint16_t>(it - scene.materials.begin());
 }
 
-/// Does work of which an error is told with the place of this key in the scene.
-template <class Work>
-auto at_key(const Scene& scene, const std::string& key, const Work& work) {
-  try {
-    return work();
-  } catch (const InputError& error) {
-    throw scene.sources.error(key, error.what());
-  }
-}
-
 /// Radius (m) of the smallest sphere the scene will have.
 double smallest_radius(const Scene& scene, const Bodies& pile, Shapes& shapes) {
   double smallest = std::numeric_limits<double>::infinity();
   const auto consider = [&](const std::string& key, const std::string& shape, double size) {
-    const std::uint32_t index = at_key(scene, key + ".shape", [&] { return shapes.index(shape); });
-    const std::vector<double>& radii = shapes.all()[index].radii;
+    const std::vector<double>& radii = shapes.all()[shapes.index(shape, key + ".shape")].radii;
     smallest = std::min(smallest, size * *std::min_element(radii.begin(), radii.end()));
   };
   for (std::size_t k = 0; k < scene.clouds.size(); ++k)
@@ -119,6 +110,19 @@ void restrain(const Spec& spec, const Vec3& place, std::size_t begin, Setup& set
   }
 }
 
+/// The first key by which the scene holds bodies.
+std::string key_of_held(const Scene& scene) {
+  const auto find = [](const auto& specs, const char* name) -> std::string {
+    for (std::size_t k = 0; k < specs.size(); ++k)
+      if (specs[k].held) return fmt::format("{}[{}].held", name, k);
+    return {};
+  };
+  for (const std::string& key :
+       {find(scene.lattices, "lattice"), find(scene.clouds, "cloud"), find(scene.bodies, "body")})
+    if (!key.empty()) return key;
+  return "pile";
+}
+
 /// Puts held bodies into their motions. Those of the pile are where these have led them; the others, from
 /// `begin` on, are displaced from their places by them.
 void hold_bodies(const Scene& scene, std::size_t begin, Setup& setup) {
@@ -134,7 +138,7 @@ void hold_bodies(const Scene& scene, std::size_t begin, Setup& setup) {
   }
   if (setup.held.empty()) return;
   if (setup.held.body.size() == bodies.size())
-    throw InputError("all bodies are held; expected one that moves");
+    throw scene.sources.error(key_of_held(scene), "all bodies are held; expected one that moves");
   setup.held.place(0.0, bodies);
   for (std::size_t k = 0; k < scene.stages.size(); ++k) {
     if (scene.stages[k].spin)
@@ -178,7 +182,7 @@ Setup assemble(const Scene& scene) {
   Setup setup;
   if (!scene.pile.empty()) {
     const std::vector<Wall> walls = make_walls(scene);
-    setup = at_key(scene, "pile", [&] { return take_pile(scene, walls); });
+    setup = scene.sources.at("pile", [&] { return take_pile(scene, walls); });
   }
   const std::size_t of_pile = setup.bodies.size();
   setup.frame = scene.frame;
@@ -193,8 +197,8 @@ Setup assemble(const Scene& scene) {
   for (std::size_t k = 0; k < scene.lattices.size(); ++k) {
     const LatticeSpec& lattice = scene.lattices[k];
     const std::size_t begin = setup.bodies.size();
-    at_key(scene, fmt::format("lattice[{}]", k), [&] {
-      const std::uint32_t index = shapes.index(lattice.shape);
+    const std::uint32_t index = shapes.index(lattice.shape, fmt::format("lattice[{}].shape", k));
+    scene.sources.at(fmt::format("lattice[{}]", k), [&] {
       add_lattice(lattice, Region(lattice.region, scene.files), shapes.all()[index], index,
                   material_index(scene, lattice.material), scene.seed, kLatticeStreams + k, setup.bodies);
     });
@@ -204,15 +208,17 @@ Setup assemble(const Scene& scene) {
     const CloudSpec& cloud = scene.clouds[k];
     const std::size_t begin = setup.bodies.size();
     std::vector<std::uint32_t> index;
-    for (const ShapeChoice& choice : cloud.shapes) index.push_back(shapes.index(choice.shape));
-    at_key(scene, fmt::format("cloud[{}]", k), [&] {
+    for (std::size_t c = 0; c < cloud.shapes.size(); ++c)
+      index.push_back(shapes.index(cloud.shapes[c].shape, fmt::format("cloud[{}].shape[{}].shape", k, c)));
+    scene.sources.at(fmt::format("cloud[{}]", k), [&] {
       add_cloud(cloud, shapes.all(), index, material_index(scene, cloud.material), scene.seed, k,
                 setup.bodies);
     });
     restrain(cloud, cloud.position, begin, setup);
   }
-  for (const BodySpec& body : scene.bodies) {
-    const std::uint32_t index = shapes.index(body.shape);
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    const BodySpec& body = scene.bodies[k];
+    const std::uint32_t index = shapes.index(body.shape, fmt::format("body[{}].shape", k));
     const double volume = shapes.all()[index].volume * std::pow(body.size, 3);
     add_body(setup.bodies, shapes.all()[index], index, body.size,
              body.density ? *body.density : *body.mass / volume, material_index(scene, body.material),

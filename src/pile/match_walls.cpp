@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <tuple>
 
 #include "core/error.h"
 #include "sim/make_walls.h"
@@ -106,8 +105,8 @@ WallHeritage match_walls(const FormerRun& former, const Scene& scene, const std:
   out.driven.resize(scene.walls.size());
   if (former.scene.walls.empty()) return out;
   const State& state = former.state;
-  std::size_t last = state.clock.stage;
-  while (last > 0 && former.scene.stages[last].operates()) --last;
+  const std::size_t last = former.last.number;
+  const Physics& laws = former.last.physics;
   if (state.stage_starts.size() <= last) throw InputError("the starts of its stages are not in the file");
   const double time = state.clock.time();
   const std::vector<double>& radii = state.bodies.spheres.radius;
@@ -119,7 +118,6 @@ WallHeritage match_walls(const FormerRun& former, const Scene& scene, const std:
   ending.driven = state.walls.driven;
   ending.check_contacts(state.bodies.spheres.size());
   set_walls(former.scene, last, std::vector<Wall>(ending.walls), state.stage_starts, ending);
-  const Physics laws = resolve_laws(former.scene, last, state.bodies, state.k_n);
   std::vector<ContactRecord> none;
   if (state.clock.steps > 0) leave_stiffness(laws, state.bodies, none, ending.contacts);
 
@@ -137,9 +135,8 @@ WallHeritage match_walls(const FormerRun& former, const Scene& scene, const std:
         if (moves && same_motion(old.motion, wall.motion, shift.velocity) &&
             same_place(old, time, shift.position + driven, wall, lead, near)) {
           out.lead[n] = lead;
-          out.notes.push_back(
-              fmt::format("wall {} goes on moving as at the end of {}, {:.6g} s after it began",
-                          wall_name(scene, n), former.name, lead));
+          out.notes.push_back(fmt::format("{} goes on moving as at the end of {}, {:.6g} s after it began",
+                                          describe_wall(scene, n), former.name, lead));
           return true;
         }
         return same_place(old, time, shift.position + driven, wall, 0.0, near);
@@ -153,8 +150,8 @@ WallHeritage match_walls(const FormerRun& former, const Scene& scene, const std:
       if (as_before) out.driven.place[n] = ending.driven.place[number];
       if (under_load) {
         out.driven.speed[n] = ending.driven.speed[number];
-        out.notes.push_back(fmt::format("wall {} goes on under its load from {:.6g} m at {:.6g} m/s",
-                                        wall_name(scene, n), out.driven.place[n], out.driven.speed[n]));
+        out.notes.push_back(fmt::format("{} goes on under its load from {:.6g} m at {:.6g} m/s",
+                                        describe_wall(scene, n), out.driven.place[n], out.driven.speed[n]));
       }
       same[w] = n;
       return;
@@ -170,15 +167,13 @@ WallHeritage match_walls(const FormerRun& former, const Scene& scene, const std:
       out.contacts.push_back({c.sphere, *same[c.wall], c.feature, c.memory});
     else
       lost[c.wall].push_back(c);
-  const auto key = [](const WallContact& c) { return std::tuple(c.sphere, c.wall, c.feature); };
-  std::sort(out.contacts.begin(), out.contacts.end(),
-            [&](const WallContact& a, const WallContact& b) { return key(a) < key(b); });
+  std::sort(out.contacts.begin(), out.contacts.end(), in_order);
   for (std::size_t w = 0; w < lost.size(); ++w)
     if (!lost[w].empty())
       out.warnings.push_back(fmt::format(
-          "wall {} of {} is not here at its place, of its kind and of its material: its {} contacts "
-          "are dropped with the {:.3g} J in their springs",
-          wall_name(former.scene, ending.number[w]), former.name, lost[w].size(),
+          "{} is not here at its place, of its kind and of its material: its {} contacts are dropped with "
+          "the {:.3g} J in their springs",
+          describe_wall(former.scene, ending.number[w]), lost[w].size(),
           energy_of(laws, state, ending, lost[w])));
   out.ending.walls = std::move(ending.walls);
   for (const std::optional<std::uint32_t>& number : same)

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "io/scene.h"
-#include "sim/state.h"
+#include "sim/former_stage.h"
 
 namespace cairn {
 
@@ -26,8 +26,9 @@ struct WallHeritage {
 /// The end of the run that a pile comes from.
 struct FormerRun {
   std::string name;  ///< of its file
-  Scene scene;
+  const Scene& scene;
   const State& state;
+  const FormerStage& last;            ///< that has taken time, or else its first one; without walls
   std::vector<WallContact> contacts;  ///< by the walls' numbers in its scene, as its checkpoint has them
 };
 

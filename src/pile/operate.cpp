@@ -16,11 +16,7 @@ namespace cairn {
 namespace {
 
 Region load_region(const RegionSpec& spec, const Scene& scene, const std::string& key) {
-  try {
-    return Region(spec, scene.files);
-  } catch (const InputError& error) {
-    throw scene.sources.error(key + ".file", error.what());
-  }
+  return scene.sources.at(key + ".file", [&] { return Region(spec, scene.files); });
 }
 
 /// 1 for each body that belongs to the region.
@@ -102,7 +98,12 @@ std::string scale(const ScaleSpec& spec, State& state, std::vector<ContactRecord
   const double volume = spec.volume.value_or(state.region_volume);
   if (!(volume > 0.0)) throw InputError("no region has been carved whose volume is known; expected 'volume'");
   Bodies& bodies = state.bodies;
-  const double mass = budget(bodies).mass, bulk = mass / volume, ratio = spec.density / bulk;
+  const double free = budget(bodies).mass, held = held_mass(bodies), bulk = (free + held) / volume;
+  const double ratio = (spec.density * volume - held) / free;
+  if (!(ratio > 0.0))
+    throw InputError(
+        "held bodies alone have {:.5g} kg/m^3 and stay as they are; expected a density above that",
+        held / volume);
   state.region_volume = volume;
   if (spec.by == ScaleBy::mass) {
     for (std::size_t b = 0; b < bodies.size(); ++b)
@@ -198,26 +199,19 @@ std::string operate(const Scene& scene, std::size_t index, State& state,
                     std::vector<ContactRecord>& contacts) {
   const StageSpec& stage = scene.stages[index];
   const auto key = [&](const char* name) { return fmt::format("stage[{}].{}", index, name); };
-  const auto doing = [&](const std::string& where, auto&& work) {
-    try {
-      return work();
-    } catch (const InputError& error) {
-      throw scene.sources.error(where, error.what());
-    }
-  };
   place_spheres(state.bodies);
   if (stage.carve) {
     const Region region = region_of(scene, index);
-    return doing(key("carve"), [&] { return carve(*stage.carve, region, state, contacts); });
+    return scene.sources.at(key("carve"), [&] { return carve(*stage.carve, region, state, contacts); });
   }
   if (stage.scale)
-    return doing(key("scale"), [&] {
+    return scene.sources.at(key("scale"), [&] {
       std::string what = scale(*stage.scale, state, contacts);
       check_bodies(state.bodies);
       return what;
     });
   const Region region = region_of(scene, index);
-  return doing(key("assign"), [&] {
+  return scene.sources.at(key("assign"), [&] {
     std::string what = assign(*stage.assign, region, scene, state);
     check_bodies(state.bodies);
     return what;

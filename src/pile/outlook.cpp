@@ -25,6 +25,7 @@ class Outlook {
  public:
   explicit Outlook(const State& state)
       : mass_(budget(state.bodies).mass),
+        held_(held_mass(state.bodies)),
         count_(static_cast<double>(state.bodies.size())),
         smallest_(*std::min_element(state.bodies.volume.begin(), state.bodies.volume.end())),
         region_(state.region_volume) {
@@ -38,7 +39,7 @@ class Outlook {
     std::vector<std::string> out = judge(region, spec.outside ? 0.0 : kFew);
     double part = std::clamp(region.volume() / pile_, 1.0 / count_, 1.0);
     if (spec.outside) part = std::max(1.0 - part, 1.0 / count_);
-    for (double* amount : {&mass_, &count_, &solid_, &pile_}) *amount *= part;
+    for (double* amount : {&mass_, &held_, &count_, &solid_, &pile_}) *amount *= part;
     region_ = spec.outside ? 0.0 : region.volume();
     return out;
   }
@@ -46,7 +47,7 @@ class Outlook {
   std::vector<std::string> scale(const ScaleSpec& spec) {
     region_ = spec.volume.value_or(region_);
     if (!(region_ > 0.0)) return {};
-    const double ratio = spec.density * region_ / mass_, lengths = 1.0 / std::cbrt(ratio);
+    const double ratio = (spec.density * region_ - held_) / mass_, lengths = 1.0 / std::cbrt(ratio);
     std::vector<std::string> out;
     const bool by_mass = spec.by == ScaleBy::mass;
     const double factor = by_mass ? ratio : lengths;
@@ -54,7 +55,7 @@ class Outlook {
       out.push_back(fmt::format(
           "{} will be multiplied by about {:.2g}: {:.4g} kg in {:.4g} m^3 are to have {:.4g} kg/m^3; "
           "are the lengths of the region in metres?",
-          by_mass ? "masses" : "lengths", factor, mass_, region_, spec.density));
+          by_mass ? "masses" : "lengths", factor, mass_ + held_, region_, spec.density));
     if (by_mass) {
       mass_ *= ratio;
     } else {
@@ -85,7 +86,8 @@ class Outlook {
     return {};
   }
 
-  double mass_, count_, smallest_, region_;
+  double mass_, held_;  // kg, of what moves and what is held
+  double count_, smallest_, region_;
   double solid_ = 0.0, pile_ = 0.0;  // m^3, of the bodies and of what they fill
 };
 

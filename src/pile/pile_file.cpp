@@ -61,14 +61,6 @@ std::vector<std::uint16_t> match_materials(const std::vector<std::string>& names
   return numbers;
 }
 
-/// The last stage of a run that took time; none: there was none.
-std::optional<FormerStage> last_stage(const Scene& scene, const State& state) {
-  std::size_t last = state.clock.stage;
-  while (last > 0 && scene.stages[last].operates()) --last;
-  if (scene.stages[last].operates()) return {};
-  return FormerStage{resolve_laws(scene, last, state.bodies, state.k_n), {}, last == state.clock.stage};
-}
-
 /// Which of the checkpoint's fields make a pile, whatever version of the program has made it, and how.
 FieldTable pile_fields(const ResultFile& file, FieldTable fields) {
   const auto there = [&](const std::string& name) { return file.has_group("checkpoint/" + name); };
@@ -111,22 +103,24 @@ Setup read_pile(const std::filesystem::path& path, const Scene& scene, const std
     naming_file([&] {
       if (state.clock.stage >= former->stages.size())
         throw InputError("checkpoint: clock/stage: expected a stage of its scene");
-      setup.former = last_stage(*former, state);
+      const std::optional<std::size_t> timed = last_timed_stage(*former, state.clock.stage + 1);
+      const std::size_t stage = timed.value_or(0);  // as walls are while none has taken time
+      FormerStage last{
+          resolve_laws(*former, stage, state.bodies, state.k_n), {}, timed == state.clock.stage, stage};
       std::vector<WallContact> none;
-      if (setup.former && state.clock.steps > 0)
-        leave_stiffness(setup.former->physics, state.bodies, setup.contacts, none);
+      if (timed && state.clock.steps > 0) leave_stiffness(last.physics, state.bodies, setup.contacts, none);
       WallHeritage heritage = match_walls(
-          {path.string(), *former, state, touching.contacts()}, scene, walls,
+          {path.string(), *former, state, last, touching.contacts()}, scene, walls,
           {setup.frame.position - scene.frame.position, setup.frame.velocity - scene.frame.velocity});
       setup.wall_contacts = std::move(heritage.contacts);
       setup.wall_lead = std::move(heritage.lead);
       setup.driven = std::move(heritage.driven);
       setup.notes = std::move(heritage.notes);
       setup.warnings = std::move(heritage.warnings);
-      if (!setup.former) return;
-      const Physics& laws = setup.former->physics;
-      setup.former->walls = std::move(heritage.ending);
-      setup.former->walls.set_laws(laws.materials, laws.wall_materials, state.k_n);
+      if (!timed) return;
+      last.walls = std::move(heritage.ending);
+      last.walls.set_laws(last.physics.materials, last.physics.wall_materials, state.k_n);
+      setup.former = std::move(last);
     });
   } else if (!touching.sphere.empty()) {
     setup.warnings.push_back(

@@ -1,5 +1,6 @@
 #include "sim/extend.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -54,16 +55,27 @@ std::optional<double> extension_until(const Scene& scene, const Clock& clock, bo
   return until - start - last.duration;
 }
 
-}  // namespace
-
-std::string continued_scene(const Scene& scene, const Clock& clock, bool finished, const Continuation& more) {
+/// The scene so continued, of a run in the file `path`.
+Scene continued_scene(const Scene& scene, const Clock& clock, bool finished, const Continuation& more,
+                      const std::string& path) {
   std::string text = scene.text;
   if (more.until)
-    if (const auto extension = extension_until(scene, clock, finished, *more.until))
-      text = extend_last_stage(text, *extension);
-  if (!more.stages_file.empty()) text = add_stages(text, more.stages, more.stages_file);
-  return text;
+    naming(path, [&] {
+      if (const auto extension = extension_until(scene, clock, finished, *more.until))
+        text = extend_last_stage(text, *extension);
+    });
+  SourceMap sources;
+  sources.file = path;
+  if (!more.stages_file.empty()) {
+    text = add_stages(text, more.stages, more.stages_file);
+    sources.added_file = more.stages_file;
+    const auto added = text.end() - static_cast<std::ptrdiff_t>(more.stages.size());
+    sources.first_added = 1 + static_cast<std::uint32_t>(std::count(text.begin(), added, '\n'));
+  }
+  return parse_scene(text, std::move(sources), scene.directory);
 }
+
+}  // namespace
 
 Run Run::extend(const std::filesystem::path& path, const Continuation& more,
                 const std::function<void(const Scene&)>& check, Operation operation) {
@@ -73,9 +85,8 @@ Run Run::extend(const std::filesystem::path& path, const Continuation& more,
   const std::size_t former = run.stages();
   RunAttributes attributes;
   run.results_.read_attributes(attributes.table());
-  attributes.scene =
-      naming(path.string(), [&] { return continued_scene(run.scene_, clock, finished, more); });
-  Scene scene = parse_scene(attributes.scene, path.string(), attributes.directory);
+  Scene scene = continued_scene(run.scene_, clock, finished, more, path.string());
+  attributes.scene = scene.text;
   scene.files = run.scene_.files;
   scene.files.reopen();
   load_tracks(scene);

@@ -16,9 +16,4 @@ struct Continuation {
   std::string stages_file = {};  ///< where they come from
 };
 
-/// The text of the scene so continued. `clock` is where the run is, `finished` whether it has come to its
-/// end.
-/// @throws InputError when the last stage has no end that could be put off, or an earlier one is asked for.
-std::string continued_scene(const Scene& scene, const Clock& clock, bool finished, const Continuation& more);
-
 }  // namespace cairn

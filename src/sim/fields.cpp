@@ -266,6 +266,20 @@ FieldTable checkpoint_fields(State& s, const FieldTable& contacts, WallColumns& 
   return table;
 }
 
+void write_break(ResultFile& file, Clock clock) {
+  double time = clock.time();
+  file.write_static("broken_off", {{"steps", "", "done in all", &clock.total_steps},
+                                   {"stage", "", "number of the stage", &clock.stage},
+                                   {"time", "s", "since the start of the run", &time}});
+}
+
+Reached reached(const ResultFile& file, const Clock& checkpoint) {
+  Reached out{checkpoint.total_steps, checkpoint.time()};
+  if (file.has_group("broken_off"))
+    file.read_static("broken_off", {{"steps", "", "", &out.steps}, {"time", "", "", &out.time}});
+  return out;
+}
+
 void write_bodies(ResultFile& file, Bodies& bodies, const std::string& suffix) {
   file.write_static("bodies" + suffix, body_constants(bodies));
   file.write_static("spheres" + suffix, sphere_constants(bodies));

@@ -53,6 +53,15 @@ FieldTable motion_fields(Bodies& bodies);
 /// The whole state but for constants, with these fields of contacts.
 FieldTable checkpoint_fields(State& state, const FieldTable& contacts, WallColumns& walls);
 
+/// Writes what a run had done when it broke off, which its checkpoint is too old to tell.
+void write_break(ResultFile& file, Clock clock);
+/// How far a run has come: until it broke off, or else until its `checkpoint`.
+struct Reached {
+  std::uint64_t steps = 0;  ///< done in all
+  double time = 0.0;        ///< s
+};
+Reached reached(const ResultFile& file, const Clock& checkpoint);
+
 /// Writes the constants of bodies and spheres; `suffix` tells those of a former epoch.
 void write_bodies(ResultFile& file, Bodies& bodies, const std::string& suffix = "");
 /// The same with all else that their numbers refer to: names of shapes and materials, the frame.

@@ -49,12 +49,10 @@ void load_tracks(Scene& scene) {
   for (std::size_t k = 0; k < scene.perturbers.size(); ++k) {
     PerturberSpec& spec = scene.perturbers[k];
     if (spec.track_file.empty()) continue;
-    try {
-      spec.track = parse_track(scene.files.read(spec.track_file, kMostBytes),
-                               scene.files.path_of(spec.track_file).string(), total_duration(scene));
-    } catch (const InputError& error) {
-      throw scene.sources.error(fmt::format("perturber[{}].track_file", k), error.what());
-    }
+    spec.track = scene.sources.at(fmt::format("perturber[{}].track_file", k), [&] {
+      return parse_track(scene.files.read(spec.track_file, kMostBytes),
+                         scene.files.path_of(spec.track_file).string(), total_duration(scene));
+    });
   }
 }
 

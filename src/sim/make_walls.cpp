@@ -20,7 +20,7 @@ WallSurface surface(const WallSpec& wall) {
 /// The mesh of wall `k` at its place.
 WallMesh load_surface(const Scene& scene, std::size_t k) {
   const WallSpec& wall = scene.walls[k];
-  try {
+  return scene.sources.at(fmt::format("wall[{}].file", k), [&] {
     const std::filesystem::path path = scene.files.path_of(wall.file);
     Welding reading;
     TriangleMesh mesh =
@@ -28,9 +28,7 @@ WallMesh load_surface(const Scene& scene, std::size_t k) {
     for (const std::string& note : reading.notes) scene.files.note(path.string() + ": " + note);
     for (Vec3& x : mesh.vertices) x += wall.point;
     return std::make_shared<const MeshSurface>(std::move(mesh));
-  } catch (const InputError& error) {
-    throw scene.sources.error(fmt::format("wall[{}].file", k), error.what());
-  }
+  });
 }
 
 }  // namespace
@@ -111,10 +109,16 @@ std::vector<std::vector<std::uint8_t>> touching_walls(const Scene& scene,
   return out;
 }
 
-std::vector<Wall> walls_of_stage(const Scene& scene, std::size_t stage, const std::vector<Wall>& walls) {
-  std::vector<Wall> out;
-  for (std::size_t w = 0; w < walls.size(); ++w)
-    if (has_wall(scene, stage, w)) out.push_back(walls[w]);
+Walls walls_of_stage(const Scene& scene, std::size_t stage, const std::vector<Wall>& walls,
+                     const DrivenWalls& driven) {
+  Walls out;
+  out.driven = driven;
+  out.resize(walls.size());
+  for (std::uint32_t w = 0; w < walls.size(); ++w) {
+    if (!has_wall(scene, stage, w)) continue;
+    out.walls.push_back(walls[w]);
+    out.number.push_back(w);
+  }
   return out;
 }
 
@@ -155,6 +159,29 @@ double greatest_wall_speed(const Bodies& bodies, const std::vector<Wall>& walls)
     speed = std::max(speed, wall.motion.greatest_speed(reach));
   }
   return speed;
+}
+
+double fall_of_wall(const Bodies& bodies, const Walls& walls, std::size_t wall) {
+  const Wall& falling = walls.walls[wall];
+  if (!falling.drive || falling.drive->load == 0.0) return 0.0;
+  const Vec3 &axis = falling.drive->axis, way = std::copysign(1.0, falling.drive->load) * axis;
+  const Vec3 shift = walls.driven.place[walls.scene_number(wall)] * axis;
+  double slope = 1.0, foremost = 0.0;  // of a plane to its load; of a mesh along it
+  if (const auto* plane = std::get_if<PlaneSurface>(&falling.surface)) slope = plane->normal.dot(way);
+  constexpr double kLeast = 1e-9;
+  if (slope < kLeast) return 0.0;
+  if (const MeshSurface* mesh = falling.mesh()) {
+    foremost = -std::numeric_limits<double>::infinity();
+    for (const Vec3& x : mesh->mesh().vertices) foremost = std::max(foremost, way.dot(x));
+  }
+  double gap = std::numeric_limits<double>::infinity();
+  const Spheres& spheres = bodies.spheres;
+  for (std::size_t s = 0; s < spheres.size(); ++s) {
+    const Vec3 y = spheres.position[s] - shift;
+    const double away = falling.mesh() ? way.dot(y) - foremost : falling.nearest(y).arm;
+    gap = std::min(gap, (away - spheres.radius[s]) / slope);
+  }
+  return std::max(gap, 0.0);
 }
 
 }  // namespace cairn

@@ -15,8 +15,10 @@ std::vector<Wall> make_walls(const Scene& scene);
 /// Lets walls begin as far into their motion as they are said to be (s each; none: not at all).
 void lead_walls(const std::vector<double>& lead, std::vector<Wall>& walls);
 
-/// Those of them that are there in a stage, their motion as if it began at time 0.
-std::vector<Wall> walls_of_stage(const Scene& scene, std::size_t stage, const std::vector<Wall>& walls);
+/// Those of them that are there in a stage, their motion as if it began at time 0, and those under a load
+/// where this has moved them.
+Walls walls_of_stage(const Scene& scene, std::size_t stage, const std::vector<Wall>& walls,
+                     const DrivenWalls& driven);
 
 /// Makes the walls of the stage act; `stage_starts` holds when the stages until this one began (s). Contacts
 /// of walls that are not there end.
@@ -34,7 +36,12 @@ std::vector<std::vector<std::uint8_t>> touching_walls(const Scene& scene,
 /// Greatest height (m) that a body can fall under the field (m/s^2) on another or on a wall.
 double drop_height(const Bodies& bodies, const std::vector<Wall>& walls, const Vec3& field);
 
-/// Greatest speed (m/s) of a wall where bodies can touch it.
+/// Greatest speed (m/s) of a wall where bodies can touch it, a load's part left out.
 double greatest_wall_speed(const Bodies& bodies, const std::vector<Wall>& walls);
+
+/// How far (m) its load moves a wall before it touches the first body, were all bodies at rest; 0: one
+/// touches it, or the load leads away from them. Of a wall that is not a plane this is the distance from the
+/// body, or of a mesh that of their extents along the load's axis.
+double fall_of_wall(const Bodies& bodies, const Walls& walls, std::size_t wall);
 
 }  // namespace cairn

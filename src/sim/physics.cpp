@@ -77,18 +77,31 @@ ContactDemand demand_of(const std::vector<Material>& materials, const std::vecto
   return demand;
 }
 
-/// The least mass (kg) of a wall under a load; infinite: there is none.
-double lightest_wall(const Scene& scene, std::size_t stage) {
-  double lightest = std::numeric_limits<double>::infinity();
+/// The wall of the least mass under a load; none: there is none.
+std::optional<std::size_t> lightest_wall(const Scene& scene, std::size_t stage) {
+  std::optional<std::size_t> lightest;
   for (std::size_t w = 0; w < scene.walls.size(); ++w)
-    if (has_wall(scene, stage, w) && scene.walls[w].load)
-      lightest = std::min(lightest, scene.walls[w].load_mass);
+    if (has_wall(scene, stage, w) && scene.walls[w].load &&
+        (!lightest || scene.walls[w].load_mass < scene.walls[*lightest].load_mass))
+      lightest = w;
   return lightest;
 }
 
+/// What is wrong with a stage, at the key that decides it: the stage's own, or else that of [contact], or
+/// else none but the stage.
+template <class... Args>
+InputError error(const Scene& scene, std::size_t index, const char* name, fmt::format_string<Args...> what,
+                 Args&&... args) {
+  std::string key = fmt::format("stage[{}].{}", index, name);
+  const std::string of_all = std::string("contact.") + name;
+  if (!scene.sources.has(key)) key = scene.sources.has(of_all) ? of_all : fmt::format("stage[{}]", index);
+  return scene.sources.error(key, fmt::format("stage '{}': {}", scene.stages[index].name,
+                                              fmt::format(what, std::forward<Args>(args)...)));
+}
+
 /// Cohesion alone must not press two spheres, or a sphere and a wall, together beyond the limit.
-void check_cohesion(const Physics& p, const std::vector<PairLaw>& wall_laws, const std::string& stage,
-                    const Bodies& bodies) {
+void check_cohesion(const Scene& scene, std::size_t index, const Physics& p,
+                    const std::vector<PairLaw>& wall_laws, const Bodies& bodies) {
   ContactDemand demand{.walls = !wall_laws.empty()};  // over the stiffness of the pair
   for (const PairLaw& law : p.contacts.laws)
     demand.cohesion = std::max(demand.cohesion, law.cohesion / law.k_n);
@@ -98,10 +111,10 @@ void check_cohesion(const Physics& p, const std::vector<PairLaw>& wall_laws, con
   if (overlap <= p.overlap_limit) return;
   const auto own = [](const Material& m) { return m.stiffness.has_value(); };
   const double more = overlap / p.overlap_limit;
-  throw InputError(
-      "stage '{}': cohesion presses spheres together by {:.3g} of their radius, overlap_limit is {:g}; {} is "
-      "needed",
-      stage, overlap, p.overlap_limit,
+  throw error(
+      scene, index, "stiffness",
+      "cohesion presses spheres together by {:.3g} of their radius, overlap_limit is {:g}; {} is needed",
+      overlap, p.overlap_limit,
       std::any_of(p.materials.begin(), p.materials.end(), own) ||
               std::any_of(p.wall_materials.begin(), p.wall_materials.end(), own)
           ? fmt::format("a stiffness of the contacts, contact.stiffness or material.stiffness, of at least "
@@ -126,7 +139,12 @@ std::string name_both(const Bodies& bodies, const Encounter& encounter) {
 std::string explain(const StiffnessChoice& choice, const ContactDemand& demand, const Bodies& bodies) {
   const double radius = bodies.spheres.radius[choice.sphere];
   const std::string both = name_both(bodies, choice.encounter);
-  if (choice.impact)
+  if (choice.cause == StiffnessChoice::Cause::wall_fall)
+    return fmt::format(
+        "for the {:.3g} J with which a load lets its wall fall on {}, which press sphere {} in by {:g} of "
+        "its radius, {:.4g} m; put the wall nearer, or give impact_speed or contact.stiffness for another",
+        demand.wall_fall, both, choice.sphere, demand.max_overlap, radius);
+  if (choice.cause == StiffnessChoice::Cause::impact)
     return fmt::format(
         "for a blow of {} at {:.3g} m/s that presses sphere {} in by {:g} of its radius, {:.4g} m; "
         "change impact_speed, contact.max_overlap or contact.stiffness for another",
@@ -150,7 +168,8 @@ std::string explain(const ShortestContact& shortest, const Bodies& bodies) {
 /// Time step (s) of a stage in which nothing touches, when none is given: a hundredth of the shortest time in
 /// which motion changes; at this part leapfrog errs by 4e-6 of an orbit's angle. No longer than a thousandth
 /// of the stage, for the series.
-double free_step(const Physics& p, const StageSpec& stage, const Bodies& bodies) {
+double free_step(const Scene& scene, std::size_t index, const Physics& p, const Bodies& bodies) {
+  const StageSpec& stage = scene.stages[index];
   constexpr double kPart = 0.01, kLongest = 1e-3;
   double shortest = std::numeric_limits<double>::infinity();
   for (std::size_t b = 0; b < bodies.size(); ++b)
@@ -163,10 +182,10 @@ double free_step(const Physics& p, const StageSpec& stage, const Bodies& bodies)
   for (const gravity::Perturber& q : p.perturbers) {
     const double nearest = std::max(q.radius, q.tidal ? closest(q.orbit) : 0.0);
     if (nearest == 0.0)
-      throw InputError(
-          "stage '{}': no time step can be chosen, because perturber '{}' has no radius and bodies may come "
-          "as near as they like; give contact.time_step",
-          stage.name, q.name);
+      throw error(scene, index, "time_step",
+                  "no time step can be chosen, because perturber '{}' has no radius and bodies may come as "
+                  "near as they like; give contact.time_step",
+                  q.name);
     shortest = std::min(shortest, std::sqrt(std::pow(nearest, 3) / q.gm));
   }
   if (stage.spin)
@@ -196,15 +215,27 @@ void resolve_contacts(const Scene& scene, std::size_t index, const Bodies& bodie
   std::vector<PairLaw> walls;
   for (const Material& wall : p.wall_materials)
     for (const Material& material : p.materials) walls.push_back(make_pair_law(material, wall, p.k_n));
-  check_cohesion(p, walls, scene.stages[index].name, bodies);
+  check_cohesion(scene, index, p, walls, bodies);
   find_stiffnesses(walls, p);
   const SweepSettings& contacts = p.contacts;
-  const ShortestContact shortest = shortest_contact(bodies, {.materials = contacts.materials,
-                                                             .material = contacts.material,
-                                                             .bodies = contacts.laws,
-                                                             .walls = walls,
-                                                             .rolling = contacts.features.rolling,
-                                                             .lightest_wall = lightest_wall(scene, index)});
+  ContactLaws laws{.materials = contacts.materials,
+                   .material = contacts.material,
+                   .bodies = contacts.laws,
+                   .walls = walls,
+                   .rolling = contacts.features.rolling};
+  ShortestContact shortest = shortest_contact(bodies, laws);
+  if (const std::optional<std::size_t> w = lightest_wall(scene, index)) {
+    const ShortestContact unyielding = shortest;
+    laws.lightest_wall = scene.walls[*w].load_mass;
+    shortest = shortest_contact(bodies, laws);
+    constexpr double kMuchShorter = 0.2;
+    if (shortest.time < kMuchShorter * unyielding.time)
+      p.light_wall = fmt::format(
+          "{} is so light that the shortest contact lasts {:.3g} s, and would last {:.3g} s were it heavy; "
+          "its load_mass is {:g} kg, expected one of {:.3g} kg or more",
+          describe_wall(scene, *w), shortest.time, unyielding.time, laws.lightest_wall,
+          bodies.mass[shortest.encounter.body]);
+  }
   p.contact_time = shortest.time;
   p.shortest_contact = explain(shortest, bodies);
 }
@@ -253,6 +284,8 @@ Physics resolve_laws(const Scene& scene, std::size_t index, const Bodies& bodies
   if (!p.can_touch) return p;
   p.materials = body_materials(scene, scene.stages[index]);
   p.wall_materials = wall_materials(scene, index);
+  for (std::size_t w = 0; w < scene.walls.size(); ++w)
+    if (has_wall(scene, index, w)) p.wall_names.push_back(describe_wall(scene, w));
   p.contacts.material = bodies.material;
   if (p.materials.size() == 1)
     std::fill(p.contacts.material.begin(), p.contacts.material.end(), std::uint16_t{0});
@@ -281,8 +314,8 @@ double stiffening(const SweepSettings& before, const SweepSettings& now) {
   return most;
 }
 
-Stiffness resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies,
-                            const std::vector<Wall>& walls, double held) {
+Stiffness resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies, const Walls& walls,
+                            double held) {
   const StageSpec& stage = scene.stages[index];
   if (!can_touch(scene, index, bodies)) return {held, "that of the contacts so far"};
   if (stage.stiffness) return {*stage.stiffness, "given by the stage"};
@@ -294,16 +327,24 @@ Stiffness resolve_stiffness(const Scene& scene, std::size_t index, const Bodies&
   if (held > 0.0 && quiet && !stage.impact_speed) return {held, "that of the contacts so far"};
   ContactDemand demand = demand_of(body_materials(scene, stage), wall_materials(scene, index));
   demand.max_overlap = scene.contact.max_overlap;
-  demand.impact_speed = stage.impact_speed.value_or(default_impact_speed(scene, index, bodies, walls));
+  demand.impact_speed = stage.impact_speed.value_or(default_impact_speed(scene, index, bodies, walls.walls));
   demand.field = field_of(scene, index).norm();
   demand.self_gravity = gravity_of(scene, index) != GravityMethod::none;
-  for (const Wall& wall : walls)
-    if (wall.drive) demand.wall_load = std::max(demand.wall_load, std::abs(wall.drive->load));
+  demand.wall_mass = std::numeric_limits<double>::infinity();
+  for (std::size_t w = 0; w < walls.walls.size(); ++w) {
+    const std::optional<WallDrive>& drive = walls.walls[w].drive;
+    if (!drive) continue;
+    const double load = std::abs(drive->load);
+    demand.wall_load = std::max(demand.wall_load, load);
+    if (!stage.impact_speed)
+      demand.wall_fall = std::max(demand.wall_fall, load * fall_of_wall(bodies, walls, w));
+    demand.wall_mass = std::min(demand.wall_mass, drive->mass);
+  }
   const StiffnessChoice choice = choose_stiffness(bodies, demand);
   if (!(choice.k_n > 0.0))
-    throw InputError(
-        "stage '{}': nothing loads the contacts, so no stiffness can be chosen; give contact.stiffness",
-        stage.name);
+    throw error(scene, index, "stiffness",
+                "nothing loads the contacts, so no stiffness can be chosen; expected contact.stiffness or an "
+                "impact_speed");
   return {choice.k_n, explain(choice, demand, bodies)};
 }
 
@@ -321,18 +362,19 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   p.perturbers = make_perturbers(scene, p.body_mass);
   const std::optional<double> given = stage.time_step ? stage.time_step : contact.time_step;
   const double longest = kLongestSafeStep * p.contact_time;
+  const auto cause = [&] { return p.light_wall.empty() ? "" : "; " + p.light_wall; };
   if (p.can_touch && given && *given > longest && !contact.unsafe_time_step)
-    throw InputError(
-        "stage '{}': time_step {:.4g} s is too long; the longest safe one is {:.4g} s ({:.0f} per shortest "
-        "contact)",
-        stage.name, *given, longest, 1.0 / kLongestSafeStep);
+    throw error(scene, index, "time_step",
+                "time_step {:.4g} s is too long; the longest safe one is {:.4g} s ({:.0f} per shortest "
+                "contact){}",
+                *given, longest, 1.0 / kLongestSafeStep, cause());
   const double aim = given         ? *given
                      : p.can_touch ? p.contact_time / contact.steps_per_contact
                      : held > 0.0  ? held
-                                   : free_step(p, stage, bodies);
+                                   : free_step(scene, index, p, bodies);
   if (const double steps = (stage.duration + stage.extension) / aim; !(steps < 1e15))
-    throw InputError("stage '{}': {:.3g} steps of {:.3g} s are more than a run can make", stage.name, steps,
-                     aim);
+    throw error(scene, index, "duration", "{:.3g} steps of {:.3g} s are more than a run can make{}", steps,
+                aim, cause());
   // Whole steps that end exactly with the stage.
   p.steps =
       std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::ceil(stage.duration / aim * (1.0 - 1e-12))));
@@ -363,10 +405,10 @@ Physics resolve_physics(const Scene& scene, std::size_t index, const Bodies& bod
   p.strain_rate = stage.strain_rate;
   constexpr double most = 0.1;  // of an edge in a step
   if (const double strain = p.strain_rate.cwiseAbs().maxCoeff() * dt; strain > most)
-    throw InputError(
-        "stage '{}': strain_rate changes the box by a part of {:.3g} in a step of {:.3g} s; at most {:g} can "
-        "be followed: give a smaller strain_rate or time_step",
-        stage.name, strain, dt, most);
+    throw error(scene, index, "strain_rate",
+                "strain_rate changes the box by a part of {:.3g} in a step of {:.3g} s; at most {:g} can be "
+                "followed: give a smaller strain_rate or time_step",
+                strain, dt, most);
   p.packing = stage.packing;
   p.quiet_energy = stage.quiet_energy;
   p.quiet_speed = stage.quiet_speed;

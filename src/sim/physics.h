@@ -17,10 +17,12 @@ struct Physics {
   SweepSettings contacts;                ///< with the time step of the stage
   std::vector<Material> materials;       ///< of the bodies; settings.material indexes these
   std::vector<Material> wall_materials;  ///< of each wall
+  std::vector<std::string> wall_names;   ///< of each, as messages call it
   double k_n = 0.0;                      ///< N/m, of materials without a stiffness of their own
   double softest = 0.0, stiffest = 0.0;  ///< N/m, k_N of the contacts that these bodies can have
   double contact_time = 0.0;             ///< s, shortest any contact can last; 0 where nothing can touch
   std::string shortest_contact;          ///< which that is, in words
+  std::string light_wall;                ///< what a wall of little load_mass does to it; empty: not much
   double overlap_limit = 0.1;
   std::uint64_t steps = 0;  ///< of the stage
   GravityMethod gravity = GravityMethod::none;
@@ -68,8 +70,8 @@ struct Stiffness {
 /// they are now. Where nothing but self-gravity is to be borne, it stays what contacts have `held` so far (0:
 /// none): stiffer ones would push a settled pile apart; and so where nothing can touch.
 /// @throws InputError when nothing loads the contacts and none is given.
-Stiffness resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies,
-                            const std::vector<Wall>& walls, double held);
+Stiffness resolve_stiffness(const Scene& scene, std::size_t index, const Bodies& bodies, const Walls& walls,
+                            double held);
 
 /// Resolves stage `index` of the scene for these bodies at stiffness k_n. Depends on their motion only where
 /// nothing can touch and no time step is given: this follows from their spins at the start of the stage, and

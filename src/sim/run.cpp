@@ -92,16 +92,26 @@ void Run::check_stages(std::size_t first) const {
   double held = state_.k_n;
   for (std::size_t k = first; k < scene_.stages.size(); ++k) {
     if (scene_.stages[k].operates()) continue;
-    held = resolve_stiffness(scene_, k, state_.bodies, walls_of_stage(scene_, k, walls_), held).k_n;
+    held = resolve_stiffness(scene_, k, state_.bodies, walls_of_stage(scene_, k, walls_, state_.walls.driven),
+                             held)
+               .k_n;
     resolve_physics(scene_, k, state_.bodies, held);
   }
 }
 
 std::vector<std::string> Run::warnings() const {
-  if (scene_.stages[0].operates()) return {};
-  const std::vector<Wall> walls = walls_of_stage(scene_, 0, walls_);
-  const double k_n = resolve_stiffness(scene_, 0, state_.bodies, walls, state_.k_n).k_n;
-  return cairn::warnings(resolve_physics(scene_, 0, state_.bodies, k_n), state_.bodies, walls);
+  std::vector<std::string> out;
+  double held = state_.k_n;
+  for (std::size_t k = 0; k < stages(); ++k) {
+    if (scene_.stages[k].operates()) continue;
+    const Walls walls = walls_of_stage(scene_, k, walls_, state_.walls.driven);
+    held = resolve_stiffness(scene_, k, state_.bodies, walls, held).k_n;
+    const Physics physics = resolve_physics(scene_, k, state_.bodies, held);
+    for (std::string& line :
+         k == 0 ? cairn::warnings(physics, state_.bodies, walls) : lasting_warnings(physics))
+      if (std::find(out.begin(), out.end(), line) == out.end()) out.push_back(std::move(line));
+  }
+  return out;
 }
 
 void Run::prepare_bodies() {
@@ -220,12 +230,13 @@ void Run::start_stage() {
   const bool of_this_run = former && former->same_bodies;
   if (!former) former = std::exchange(former_, {});
   set_walls(scene_, clock.stage, walls_, state_.stage_starts, state_.walls);
-  const Stiffness chosen =
-      resolve_stiffness(scene_, clock.stage, state_.bodies, state_.walls.walls, state_.k_n);
+  const Stiffness chosen = resolve_stiffness(scene_, clock.stage, state_.bodies, state_.walls, state_.k_n);
   physics_ = resolve_physics(scene_, clock.stage, state_.bodies, chosen.k_n);
   const HeldBefore held =
       held_before(scene_, clock.stage, physics_, state_, inherited_, former ? &former->physics : nullptr);
-  begin_stage(physics_, std::exchange(inherited_, {}), state_, scratch_, former ? &*former : nullptr);
+  scene_.sources.at(fmt::format("stage[{}]", clock.stage), [&] {
+    begin_stage(physics_, std::exchange(inherited_, {}), state_, scratch_, former ? &*former : nullptr);
+  });
   clock.steps = physics_.steps;
   clock.dt = physics_.contacts.dt;
   begin_control(physics_, state_);
@@ -329,6 +340,7 @@ RunEnd Run::advance(const Listener& listener) {
       if (last) return RunEnd::finished;
     }
   } catch (const UnstableError& error) {
+    write_break(results_, state_.clock);
     results_.abandon(error.what());  // what was measured until now stays; the checkpoint is the last good one
     sidecar_.update(results_);
     throw;
@@ -399,7 +411,8 @@ void Run::announce_start(const std::string& why_so_stiff) const {
                           physics_.shortest_contact)
             : fmt::format("stage '{}': nothing touches; time step {:.4g} s", name, physics_.contacts.dt));
   if (!start_energy_.counts()) return;
-  const std::string line = fmt::format("stage '{}': {}", name, describe(start_energy_, state_.bodies));
+  const std::string line =
+      fmt::format("stage '{}': {}", name, describe(start_energy_, scene_, state_.bodies));
   if (!start_energy_.relaxes)
     warn({line});
   else if (listener_.announce)

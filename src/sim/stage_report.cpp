@@ -28,7 +28,7 @@ constexpr Column kColumns[] = {
     {&R::time, "time", "s", "at the end of the stage"},
     {&R::bodies, "bodies", "", "number"},
     {&R::spheres, "spheres", "", "number"},
-    {&R::mass, "mass", "kg", "of all bodies"},
+    {&R::mass, "mass", "kg", "of all bodies, held ones included"},
     {&R::bulk_density, "bulk_density", "kg/m^3", "mass over the volume of the region last carved"},
     {&R::eta_bulk, "eta_bulk", "", "volume of the bodies over that volume"},
     {&R::interior, "interior", "m", "radius within which packing is measured"},
@@ -60,9 +60,11 @@ StageReport measure(const State& state, double link_gap, double interior) {
   r.bodies = static_cast<double>(bodies.size());
   r.spheres = static_cast<double>(bodies.spheres.size());
   const Budget total = budget(bodies);
-  r.mass = total.mass;
+  r.held_bodies = static_cast<double>(state.held.body.size());
+  r.held_mass = held_mass(bodies);
+  r.mass = total.mass + r.held_mass;
   const double volume = state.region_volume > 0.0 ? state.region_volume : none;
-  r.bulk_density = total.mass / volume;
+  r.bulk_density = r.mass / volume;
   r.eta_bulk = std::accumulate(bodies.volume.begin(), bodies.volume.end(), 0.0) / volume;
 
   const Fragments groups = find_fragments(bodies, link_gap, state.box);
@@ -119,6 +121,8 @@ FieldTable StageColumns::table() {
 std::string describe(const StageReport& r) {
   std::string text = fmt::format("stage '{}': {}; {:.1f} s\n", r.name, r.what, r.seconds);
   text += fmt::format("  bodies     {:.0f} of {:.0f} spheres, {:.5g} kg", r.bodies, r.spheres, r.mass);
+  if (r.held_bodies > 0.0)
+    text += fmt::format(", {:.0f} of them held, {:.5g} kg", r.held_bodies, r.held_mass);
   if (std::isfinite(r.bulk_density))
     text += fmt::format("; {:.1f} kg/m^3, packing {:.4f} of the region", r.bulk_density, r.eta_bulk);
   if (std::isfinite(r.eta_inter))

@@ -13,9 +13,10 @@ namespace cairn {
 struct StageReport {
   std::string name, what;  ///< of the stage; what an operation has done, or why the stage ended
   double seconds = 0.0;    ///< of wall-clock time; not stored
-  double time = 0.0;       ///< s, at the end
+  double held_bodies = 0.0, held_mass = 0.0;  ///< kg; not stored, both are of the constants of the bodies
+  double time = 0.0;                          ///< s, at the end
   double bodies = 0.0, spheres = 0.0;
-  double mass = 0.0;          ///< kg
+  double mass = 0.0;          ///< kg, of all bodies, held ones included
   double bulk_density = 0.0;  ///< kg/m^3, mass over the volume of the region last carved; NaN without one
   double eta_bulk = 0.0;      ///< volume of the bodies over that volume
   double interior = 0.0;      ///< m, radius within which eta_inter is measured

@@ -142,7 +142,7 @@ StartEnergy start_energy(const Physics& physics, const State& state, const Obser
   return out;
 }
 
-std::string describe(const StartEnergy& energy, const Bodies& bodies) {
+std::string describe(const StartEnergy& energy, const Scene& scene, const Bodies& bodies) {
   std::string text = "at the start its contacts hold ";
   text += energy.scale > 0.0
               ? fmt::format("{:.3g} times the {}", energy.ratio(), energy.of)
@@ -150,9 +150,9 @@ std::string describe(const StartEnergy& energy, const Bodies& bodies) {
   if (energy.stiffer > 1.0 + 1e-9)
     text += fmt::format(" beyond what they held, being {:.3g} times stiffer than before", energy.stiffer);
   if (energy.wall)
-    text +=
-        fmt::format("; deepest: sphere {} of body {} in wall {}, by {:.3g} of its radius", energy.deepest.i,
-                    bodies.spheres.body[energy.deepest.i], *energy.wall, energy.overlap);
+    text += fmt::format("; deepest: sphere {} of body {} in {}, by {:.3g} of its radius", energy.deepest.i,
+                        bodies.spheres.body[energy.deepest.i], describe_wall(scene, *energy.wall),
+                        energy.overlap);
   else if (const auto [i, j] = energy.deepest; i != j)
     text += fmt::format("; deepest: spheres {} and {} of bodies {} and {}, by {:.3g} of the smaller radius",
                         i, j, bodies.spheres.body[i], bodies.spheres.body[j], energy.overlap);

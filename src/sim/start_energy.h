@@ -58,6 +58,6 @@ StartEnergy start_energy(const Physics& physics, const State& state, const Obser
                          const HeldBefore& held);
 
 /// One line for people: what the contacts hold, the deepest pair, and what to do.
-std::string describe(const StartEnergy& energy, const Bodies& bodies);
+std::string describe(const StartEnergy& energy, const Scene& scene, const Bodies& bodies);
 
 }  // namespace cairn

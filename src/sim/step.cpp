@@ -93,8 +93,8 @@ void check_overlap(const Physics& physics, const State& state, double pairs, con
   const auto& body = state.bodies.spheres.body;
   std::string who;
   if (walls.overlap_ratio > pairs) {
-    who = fmt::format("sphere {} of body {} and wall {}", walls.sphere, body[walls.sphere],
-                      state.walls.number.empty() ? walls.wall : state.walls.number[walls.wall]);
+    who = fmt::format("sphere {} of body {} and {}", walls.sphere, body[walls.sphere],
+                      physics.wall_names[walls.wall]);
   } else {
     const Pair pair = deepest_pair(state.bodies, state.contacts);
     who = fmt::format("spheres {} and {} of bodies {} and {}", pair.i, pair.j, body[pair.i], body[pair.j]);

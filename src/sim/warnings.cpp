@@ -17,6 +17,7 @@ std::vector<std::string> lasting_warnings(const Physics& physics) {
           "perturber '{}' comes within {:.6g} m of the zero of the frame, its radius is {:.6g} m: "
           "bodies there fall on it, which ends the run",
           p.name, nearest, p.radius));
+  if (!physics.light_wall.empty()) out.push_back(physics.light_wall);
   const auto look = [&](const Material& a, const Material& b) {
     constexpr double kNearlyElastic = 0.99;
     const Material pair = mix(a, b);
@@ -38,9 +39,9 @@ std::vector<std::string> lasting_warnings(const Physics& physics) {
   return once;
 }
 
-std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies,
-                                  const std::vector<Wall>& walls) {
+std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies, const Walls& acting) {
   std::vector<std::string> out = lasting_warnings(physics);
+  const std::vector<Wall>& walls = acting.walls;
   const auto& radii = bodies.spheres.radius;
   const double of_walls = greatest_wall_speed(bodies, walls), speed = closing_speed(bodies) + of_walls,
                smallest = *std::min_element(radii.begin(), radii.end());
@@ -81,16 +82,18 @@ std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies,
                    pressing = std::pow(static_cast<double>(bodies.spheres.size()), 2.0 / 3.0);
       if (pressing > most)
         out.push_back(fmt::format(
-            "wall {} is light for a load that some {:.0f} spheres may bear: its motion will not be followed; "
-            "take a load_mass of at least {:.3g} kg or a time_step of at most {:.2g} s",
-            w, pressing, drive->mass * pressing / most, dt * std::sqrt(most / pressing)));
+            "{} is light for a load that some {:.0f} spheres may bear: its motion will not be followed; take "
+            "a load_mass of at least {:.3g} kg or a time_step of at most {:.2g} s",
+            physics.wall_names[w], pressing, drive->mass * pressing / most, dt * std::sqrt(most / pressing)));
       const double force = load_of_a_contact(bodies, std::abs(drive->load)),
-                   deep = force / (physics.softest * smallest);
-      if (deep > physics.overlap_limit)
-        out.push_back(
-            fmt::format("the load on wall {} may press a sphere in by {:.2g} of the smallest radius; "
-                        "overlap_limit is {:g}: a contact.stiffness of {:.3g} N/m would bear it",
-                        w, deep, physics.overlap_limit, force / (physics.overlap_limit * smallest)));
+                   fall = fall_of_wall(bodies, acting, w), limit = physics.overlap_limit * smallest,
+                   needed = force / limit + 2.0 * force * fall / (limit * limit);
+      if (needed > physics.softest)
+        out.push_back(fmt::format(
+            "the load on {} may press a sphere in by more than overlap_limit, {:g} of its radius{}: a "
+            "contact.stiffness of {:.3g} N/m would bear it",
+            physics.wall_names[w], physics.overlap_limit,
+            fall > 0.0 ? fmt::format(", as the wall falls {:.3g} m on the bodies", fall) : "", needed));
     }
     const WallMotion& motion = walls[w].motion;
     const double turn = motion.spin.norm() * dt;
@@ -98,9 +101,9 @@ std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies,
     const auto say = [&](const char* does, double angle) {
       if (angle > far)
         out.push_back(fmt::format(
-            "wall {} {} by {:.2g} rad in a step; its motion will not be followed: take a time_step "
-            "of at most {:.2g} s",
-            w, does, angle, far / angle * dt));
+            "{} {} by {:.2g} rad in a step; its motion will not be followed: take a time_step of at most "
+            "{:.2g} s",
+            physics.wall_names[w], does, angle, far / angle * dt));
     };
     say("turns", turn);
     say("oscillates", swing);

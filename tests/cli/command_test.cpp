@@ -18,7 +18,8 @@ TEST(TimeStep, TooLongIsRefusedAndForcedEndsWithAReadableFile) {
   const Folder folder;
   const std::string stiff = with(kTwo, "[2.01, 0, 0]", "[1.999, 0, 0]") + "\n[contact]\nstiffness = 1e6\n";
   folder.write("long.toml", stiff + "time_step = 8\n");
-  EXPECT_TRUE(refused(cairn(folder, {"run", "long.toml"}), {"time_step 8 s", "longest safe one is"}));
+  EXPECT_TRUE(refused(cairn(folder, {"run", "long.toml"}),
+                      {"long.toml:", "key 'contact.time_step'", "time_step 8 s", "longest safe one is"}));
   EXPECT_FALSE(fs::exists(folder / "long.h5"));
   // The blow throws the balls up; they fall back and through the floor.
   const std::string floor = "\n[[wall]]\nkind = \"plane\"\npoint = [0, 0, -1]\n";
@@ -32,6 +33,13 @@ TEST(TimeStep, TooLongIsRefusedAndForcedEndsWithAReadableFile) {
   const Outcome summary = cairn(folder, {"summary", "forced.h5"});
   EXPECT_TRUE(succeeded(summary));
   EXPECT_TRUE(contains(summary.out, "overlap by")) << summary.out;
+  const auto number_after = [](const std::string& text, const std::string& word) {
+    return std::stod(text.substr(text.find(word) + word.size()));
+  };
+  EXPECT_GT(number_after(summary.out, "\nsteps"), 0.0) << summary.out;
+  for (const double time :
+       {8.0 * number_after(summary.out, "\nsteps"), number_after(summary.out, "\nsimulated time")})
+    EXPECT_EQ(time, number_after(end.err, "t = ")) << summary.out << end.err;
   EXPECT_TRUE(refused(cairn(folder, {"resume", "forced.h5"}), {"forced.h5", "cannot go on", "overlap by"}));
   EXPECT_TRUE(contents(folder / "forced.h5").contains("/checkpoint/position"));
 }

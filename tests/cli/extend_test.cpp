@@ -121,8 +121,8 @@ TEST_F(Extend, StagesAddedToAFinishedRun) {
   EXPECT_EQ(resume({"single.h5", "--add", "on.toml"}).code, 0);
   EXPECT_TRUE(same_bits(whole, of("single.h5")));
   EXPECT_TRUE(refused(resume({"single.h5"}), {"single.h5", "has finished"}));
-  EXPECT_TRUE(
-      refused(resume({"single.h5", "--add", "on.toml"}), {"stage[3].name", "'on' for a second time"}));
+  EXPECT_TRUE(refused(resume({"single.h5", "--add", "on.toml"}),
+                      {"on.toml:2:8: key 'stage[3].name'", "'on' for a second time"}));
   EXPECT_TRUE(same_bits(whole, of("single.h5")));
 }
 
@@ -190,9 +190,11 @@ TEST_F(Extend, SaysWhyNot) {
   run(with(kFloor, "duration = 4", "duration = 4\nquiet_speed = 100"), "quiet.h5");
   EXPECT_TRUE(refused(resume({"quiet.h5", "--until", "10"}), {"has ended at t = ", "before its time"}));
   folder_.write("more.toml", "[[stage]]\nname = 'on'\nduration = 1\nmaterial = 'mud'\n");
-  EXPECT_TRUE(refused(resume({"quiet.h5", "--add", "more.toml"}), {"no [[material]] is called 'mud'"}));
+  EXPECT_TRUE(refused(resume({"quiet.h5", "--add", "more.toml"}),
+                      {"more.toml:4:12: key 'stage[1].material': no [[material]] is called 'mud'"}));
   folder_.write("more.toml", "[[stage]]\nname = 'on'\nduration = 1\ntime_step = 5\n");
-  EXPECT_TRUE(refused(resume({"quiet.h5", "--add", "more.toml"}), {"stage 'on': time_step 5 s is too long"}));
+  EXPECT_TRUE(refused(resume({"quiet.h5", "--add", "more.toml"}),
+                      {"more.toml:4:13: key 'stage[1].time_step'", "stage 'on': time_step 5 s is too long"}));
   folder_.write("more.toml", "[output]\nseries_interval = 1\n");
   EXPECT_TRUE(refused(resume({"quiet.h5", "--add", "more.toml"}), {"more.toml:1:2: key 'output'"}));
   folder_.write("more.toml",

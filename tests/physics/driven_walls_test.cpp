@@ -5,6 +5,7 @@
 
 #include "physics/experiment.h"
 #include "physics/report.h"
+#include "sim/warnings.h"
 
 namespace cairn {
 namespace {
@@ -173,6 +174,46 @@ TEST(DrivenWalls, ARestingPistonBearsTheSameInAResumedStage) {
   e.begin();
   EXPECT_EQ(e.state.walls.driven.place, before.place);
   EXPECT_EQ(e.state.walls.driven.speed, before.speed);
+}
+
+TEST(DrivenWalls, TheFallOfAPistonIsBorneByTheAutomaticStiffness) {
+  // 5000 N over 0.5 m: the spring takes up F (h + x) at its depth x, aimed at without F x.
+  std::string text = scene("restitution_normal = 1\nfriction = 0", piston(5000.0, 300.0, 0.0));
+  const auto change = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
+  change(fmt::format("stiffness = {}", kStiffness), "max_overlap = 0.02");
+  change("point = [0, 0, 2]", "point = [0, 0, 2.5]");
+  Experiment e(text);
+  e.begin();
+  const double k = e.physics.k_n, aim = 0.02;
+  EXPECT_NEAR(k, 2.0 * 2500.0 / (aim * aim), 1e-6 * k);
+  e.advance(static_cast<std::uint64_t>(std::sqrt(2.0 * 0.5 * 300.0 / 5000.0) * 1.1 / e.physics.contacts.dt));
+  const double x = (5000.0 + std::sqrt(5000.0 * 5000.0 + 2.0 * k * 2500.0)) / k;
+  report::close("depth to which a piston falls under its load (m)", "F/k + sqrt((F/k)^2 + 2 F h / k)",
+                e.state.ledger.largest_overlap, x, 2e-3);
+  EXPECT_TRUE(warnings(e.physics, e.state.bodies, e.state.walls).empty());
+  // Where the stiffness is given and too small, that is said.
+  change("max_overlap = 0.02", "stiffness = 5e5");
+  Experiment soft(text);
+  soft.begin();
+  const std::vector<std::string> said = warnings(soft.physics, soft.state.bodies, soft.state.walls);
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_EQ(said[0].find("the load on wall 0 (plane, stage.toml:"), 0u) << said[0];
+  EXPECT_NE(said[0].find("as the wall falls 0.5 m on the bodies"), std::string::npos) << said[0];
+}
+
+TEST(DrivenWalls, OneSoLightThatItShortensTheTimeStepIsNamed) {
+  Experiment heavy(scene("", piston(1.0, 4000.0, 0.0))), light(scene("", piston(1.0, 1e-6, 0.0)));
+  heavy.begin();
+  light.begin();
+  EXPECT_TRUE(lasting_warnings(heavy.physics).empty());
+  const std::vector<std::string> said = lasting_warnings(light.physics);
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_EQ(said[0].find("wall 0 (plane, stage.toml:"), 0u) << said[0];
+  EXPECT_NE(said[0].find("its load_mass is 1e-06 kg"), std::string::npos) << said[0];
+  EXPECT_NEAR(light.physics.contact_time, kPi * std::sqrt(1e-6 / kStiffness),
+              1e-4 * light.physics.contact_time);
 }
 
 TEST(WallsThatTouch, OnlyThoseNamed) {

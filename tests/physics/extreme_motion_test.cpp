@@ -188,7 +188,7 @@ TEST(ExtremeMotion, WallsThatNoStepCanFollow) {
   const auto said = [](const std::string& motion) {
     Experiment e(scene_text({}, "stiffness = 1e6", "", body({.position = {0, 0, 1}}) + wall() + motion));
     e.begin();
-    const auto all = warnings(e.physics, e.state.bodies, e.state.walls.walls);
+    const auto all = warnings(e.physics, e.state.bodies, e.state.walls);
     return fmt::format("{}", fmt::join(all, "\n"));
   };
   EXPECT_EQ(

@@ -149,8 +149,7 @@ TEST(Walls, ASphereBeyondTheWallIsRefused) {
       e.begin();
       ADD_FAILURE() << kind.name;
     } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find("sphere 0 of body 0 and wall 0 overlap at the start"),
-                std::string::npos)
+      EXPECT_NE(std::string(error.what()).find("sphere 0 of body 0 and wall 0 ("), std::string::npos)
           << error.what();
     }
   }

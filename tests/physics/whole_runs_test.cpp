@@ -1,7 +1,6 @@
 // Runs with every kind of stage, operation, wall, perturber and box: killed after each commit or stopped at
 // any step and resumed they give the same bits, and so they do whatever is written on the way.
 #include <gtest/gtest.h>
-#include <omp.h>
 #include <sys/stat.h>
 
 #include <random>
@@ -10,16 +9,10 @@
 #include "pile/assemble.h"
 #include "pile/operate.h"
 #include "result_bits.h"
+#include "whole_run.h"
 
 namespace cairn {
 namespace {
-
-/// One thread while it lives: scenes this small gain nothing from more.
-struct OneThread {
-  const int threads = omp_get_max_threads();
-  OneThread() { omp_set_num_threads(1); }
-  ~OneThread() { omp_set_num_threads(threads); }
-};
 
 constexpr const char* kMaterials = R"(
 [[material]]
@@ -199,12 +192,8 @@ const std::vector<std::string>& scenes() {
 }
 
 Run new_run(const std::string& text, const std::filesystem::path& path) {
-  Scene scene = parse_scene(text, "run.toml", ".");
-  RunAttributes attributes{
-      .title = scene.title, .scene = scene.text, .directory = ".", .version = "", .seed = scene.seed};
-  ResultFile file = ResultFile::create(path, attributes.table(), true);
-  Setup setup = assemble(scene);
-  return Run(std::move(scene), std::move(setup), std::move(file), operate);
+  const Scene scene = parse_scene(text, "run.toml", ".");
+  return new_run(scene, assemble(scene), path, operate);
 }
 
 void go_on(const std::filesystem::path& path) {

@@ -218,7 +218,7 @@ TEST(Stiffness, KeepsABlowUnderTheOverlapAskedFor) {
       speed * std::sqrt(0.5 * heaviest / chosen.k_n);  // elastic blow of two of the heaviest
   EXPECT_LE(overlap, 0.01 * radius);
   EXPECT_GE(overlap, 0.005 * radius);
-  EXPECT_TRUE(chosen.impact);
+  EXPECT_EQ(chosen.cause, StiffnessChoice::Cause::impact);
   EXPECT_EQ(choose_stiffness(bodies, {}).k_n, 0.0);
   EXPECT_DOUBLE_EQ(choose_stiffness(bodies, {.max_overlap = 0.01, .impact_speed = 2.0 * speed}).k_n,
                    4.0 * chosen.k_n);
@@ -266,7 +266,7 @@ TEST(Stiffness, OfABoulderOnAMonolithIsTheBoulders) {
       bodies, {.max_overlap = 0.01, .impact_speed = speed, .self_gravity = true, .cohesion = 100.0});
   const double mu = bodies.mass[0] * bodies.mass[1] / (bodies.mass[0] + bodies.mass[1]);
   EXPECT_NEAR(chosen.k_n / (mu * std::pow(speed / (0.01 * 0.5), 2)), 1.0, 1e-6);
-  EXPECT_TRUE(chosen.impact);
+  EXPECT_EQ(chosen.cause, StiffnessChoice::Cause::impact);
   EXPECT_EQ(chosen.sphere, 1u);
   EXPECT_EQ(chosen.encounter.body, 1u);
   EXPECT_EQ(chosen.encounter.other, 0u);
@@ -330,6 +330,22 @@ TEST(Stiffness, BearsTheLoadOnAWall) {
   for (int b = 1; b < 1000; ++b) add_body(bodies, ball, 0, 2.0, 1000.0, 0, {.position = Vec3(9.0 * b, 0, 0)});
   EXPECT_NEAR(choose_stiffness(bodies, demand).k_n, 8.0 / 100.0 * 300.0 / (0.02 * bodies.spheres.radius[0]),
               1e-6);
+}
+
+TEST(Stiffness, TakesUpTheFallOfAWall) {
+  const RigidShape ball = make_rigid(load_shape("sphere", "."), MassModel::union_volume);
+  Bodies bodies;
+  add_body(bodies, ball, 0, 2.0, 1000.0, 0, {});
+  const double energy = 700.0, aim = 0.02 * bodies.spheres.radius[0], mass = bodies.mass[0];
+  ContactDemand demand{.max_overlap = 0.02, .walls = true, .wall_fall = energy, .wall_mass = 1e9 * mass};
+  const StiffnessChoice alone = choose_stiffness(bodies, demand);
+  EXPECT_NEAR(alone.k_n, 2.0 * energy / (aim * aim), 1e-9 * alone.k_n);
+  EXPECT_EQ(alone.cause, StiffnessChoice::Cause::wall_fall);
+  for (int b = 1; b < 1000; ++b) add_body(bodies, ball, 0, 2.0, 1000.0, 0, {.position = Vec3(9.0 * b, 0, 0)});
+  EXPECT_NEAR(choose_stiffness(bodies, demand).k_n, 8.0 / 100.0 * alone.k_n, 1e-9 * alone.k_n);
+  // A ball half as heavy as the wall is thrown by half of its energy, wherever the rest of it goes.
+  demand.wall_mass = 2.0 * mass;
+  EXPECT_NEAR(choose_stiffness(bodies, demand).k_n, 0.5 * alone.k_n, 1e-9 * alone.k_n);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "io/scene.h"
 
@@ -62,6 +64,24 @@ TEST(ExtendScene, AddsStagesAfterAllElse) {
   EXPECT_EQ(scene.stages[2].name, "c");
   EXPECT_EQ(scene.stages[2].duration, 4.0);
   EXPECT_EQ(scene.output.series_interval, 1.0);
+}
+
+TEST(ExtendScene, ErrorsNameTheFileAndItsLine) {
+  const std::string text = std::string(kBody) + kStages + "duration = 2\n",
+                    more = "\n[[stage]]\nname = 'a'\n";
+  SourceMap sources;
+  sources.file = "run.h5";
+  sources.added_file = "more.toml";
+  sources.first_added = 1 + static_cast<std::uint32_t>(std::count(text.begin(), text.end(), '\n'));
+  const auto error = [&](const std::string& whole) {
+    return error_of([&] { parse_scene(whole, sources, "."); });
+  };
+  EXPECT_EQ(error(text + more + "duration = 1\n"),
+            "more.toml:3:8: key 'stage[2].name': expected a name of its own, found 'a' for a second time");
+  EXPECT_EQ(error(text + "\n[[stage]]\nname = 'c'\n").find("more.toml:2:"), 0u);
+  EXPECT_EQ(error("[[body]]\nshape = 1\n" + text),
+            "run.h5:2:9: key 'body[0].shape': expected a string, found an "
+            "integer");
 }
 
 TEST(ExtendScene, SaysWhatIsWrongWithAddedStages) {

@@ -268,6 +268,21 @@ TEST(SceneErrors, WallsHaveTheKeysOfTheirKind) {
         "s.toml:11:12: key 'body[1].velocity': has no effect on what is held; expected it in 'held'"},
        {"[[body]]\nshape = 'sphere'\ndensity = 1\nheld = { oscillation_phase = 1 }",
         "s.toml:10:30: key 'body[1].held.oscillation_phase': has no effect without oscillation_amplitude"},
+       {"[[body]]\nshape = 'sphere'\ndensity = 1\nheld = { rotation_point = [1, 0, 0] }",
+        "s.toml:10:27: key 'body[1].held.rotation_point': has no effect without a rotation; expected "
+        "angular_velocity beside it"},
+       {"[[body]]\nshape = 'sphere'\ndensity = 1\n[body.held]\nangular_velocity = [0, 0, 0]\nrotation_point "
+        "= [1, 0, 0]",
+        "s.toml:12:18: key 'body[1].held.rotation_point': has no effect without a rotation; expected "
+        "angular_velocity beside it"},
+       {"[[wall]]\nkind = 'plane'\nload = 1\nload_mass = 2\nmotion_time = 3",
+        "s.toml:11:15: key 'wall[0].motion_time': has no effect without a motion that is prescribed; "
+        "expected "
+        "velocity, oscillation_amplitude or angular_velocity beside it, a load moves the wall from its "
+        "place"},
+       {"[[wall]]\nkind = 'plane'\nvelocity = [0, 0, 0]\nmotion_time = 3",
+        "s.toml:10:15: key 'wall[0].motion_time': has no effect without a motion that is prescribed; "
+        "expected velocity, oscillation_amplitude or angular_velocity beside it"},
        {"[[wall]]\nkind = 'plane'\nname = '12'",
         "s.toml:9:8: key 'wall[0].name': expected more than digits, which stand for walls without a name, "
         "found '12'"},

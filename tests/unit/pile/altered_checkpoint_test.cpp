@@ -7,7 +7,6 @@
 #include <cstring>
 #include <limits>
 
-#include "core/build.h"
 #include "core/error.h"
 #include "folder.h"
 #include "io/checksum.h"
@@ -15,7 +14,7 @@
 #include "pile/assemble.h"
 #include "pile/operate.h"
 #include "sim/fields.h"
-#include "sim/run.h"
+#include "whole_run.h"
 
 namespace cairn {
 namespace {
@@ -56,16 +55,8 @@ impact_speed = 0.05
 
 /// A run that was stopped after some steps.
 void stop_within(const fs::path& path) {
-  Scene scene = parse_scene(kScene, "altered.toml", ".");
-  RunAttributes attributes{.title = scene.title,
-                           .scene = scene.text,
-                           .directory = ".",
-                           .version = CAIRN_VERSION,
-                           .build = build_name(),
-                           .seed = scene.seed};
-  ResultFile results = ResultFile::create(path, attributes.table(), true);
-  Setup setup = assemble(scene);
-  Run run(std::move(scene), std::move(setup), std::move(results), operate);
+  const Scene scene = parse_scene(kScene, "altered.toml", ".");
+  Run run = new_run(scene, assemble(scene), path, operate);
   EXPECT_EQ(
       run.advance({.watch = [](const Run& r) { return r.state().clock.step < 20; }, .watch_interval = 0.0}),
       RunEnd::interrupted);

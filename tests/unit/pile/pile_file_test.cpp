@@ -2,7 +2,6 @@
 #include "pile/pile_file.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <cmath>
 
@@ -11,7 +10,7 @@
 #include "pile/assemble.h"
 #include "pile/operate.h"
 #include "sim/fields.h"
-#include "sim/run.h"
+#include "whole_run.h"
 
 namespace cairn {
 namespace {
@@ -54,17 +53,11 @@ class PileFile : public testing::Test {
 
   /// The setup of a scene, which has also been run into a file.
   cairn::Setup run(const std::string& text, const std::string& name) const {
-    const int threads = omp_get_max_threads();
-    omp_set_num_threads(1);
-    Scene start = scene(text);
-    RunAttributes attributes{
-        .title = "", .scene = text, .directory = folder_.path().string(), .version = "", .seed = 1};
-    cairn::Setup setup = assemble(start), copy = setup;
-    cairn::Run whole(std::move(start), std::move(setup),
-                     ResultFile::create(folder_ / name, attributes.table(), false), operate);
-    EXPECT_EQ(whole.advance({}), RunEnd::finished);
-    omp_set_num_threads(threads);
-    return copy;
+    const OneThread one;
+    const Scene start = scene(text);
+    cairn::Setup setup = assemble(start);
+    EXPECT_EQ(new_run(start, setup, folder_ / name, operate).advance({}), RunEnd::finished);
+    return setup;
   }
 
   static std::string pile(const std::string& text) { return "pile = 'first.h5'\n" + text; }
@@ -189,12 +182,8 @@ TEST_F(PileFile, AMaterialThatHasBecomeStifferIsSaid) {
   run(kTwo + std::string(kPlank) + kStack + kFirst, "first.h5");
   const double held = series("first.h5", "elastic_energy").back();
   const auto start = [&](const std::string& tables) {
-    Scene again = scene(pile(std::string(kPlank) + tables + kSecond));
-    RunAttributes attributes{
-        .title = "", .scene = again.text, .directory = again.directory.string(), .version = "", .seed = 1};
-    cairn::Setup setup = assemble(again);
-    cairn::Run on(std::move(again), std::move(setup),
-                  ResultFile::create(folder_ / "on.h5", attributes.table(), true));
+    const Scene again = scene(pile(std::string(kPlank) + tables + kSecond));
+    cairn::Run on = new_run(again, assemble(again), folder_ / "on.h5");
     on.advance({});
     return on.start_energy();
   };

@@ -2,17 +2,15 @@
 #include "sim/restraints.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <cstring>
-#include <optional>
 
 #include "core/error.h"
 #include "folder.h"
 #include "pile/assemble.h"
 #include "pile/operate.h"
 #include "sim/fields.h"
-#include "sim/run.h"
+#include "whole_run.h"
 
 namespace cairn {
 namespace {
@@ -73,24 +71,12 @@ constexpr const char* kSecond = "[[stage]]\nname = 'on'\nduration = 1\n";
 
 class Restraints : public testing::Test {
  protected:
-  Restraints() { omp_set_num_threads(1); }
-  ~Restraints() override { omp_set_num_threads(threads_); }
-
   /// Runs to the end; with `stops` it is interrupted every so many steps. Returns how often that was.
   int run_to_end(const std::string& text, const std::string& name, bool stops = false) const {
-    Scene scene = parse_scene(text, "scene.toml", folder_.path());
-    RunAttributes attributes{
-        .title = "", .scene = text, .directory = folder_.path().string(), .version = "", .seed = 1};
-    cairn::Setup setup = assemble(scene);
-    std::optional<cairn::Run> run(std::in_place, std::move(scene), std::move(setup),
-                                  ResultFile::create(folder_ / name, attributes.table(), false), operate);
-    for (int count = 0;; ++count) {
-      const std::uint64_t stop = run->state().clock.total_steps + 47;
-      const auto watch = [&](const cairn::Run& r) { return !stops || r.state().clock.total_steps < stop; };
-      if (run->advance({.watch = watch, .watch_interval = 0.0}) == RunEnd::finished) return count;
-      run.reset();
-      run.emplace(cairn::Run::resume(folder_ / name, operate));
-    }
+    const Scene scene = parse_scene(text, "scene.toml", folder_.path());
+    const auto watch = [&](const cairn::Run& r) { return !stops || r.state().clock.total_steps % 47 != 46; };
+    return cairn::run_to_end(new_run(scene, assemble(scene), folder_ / name, operate),
+                             {.watch = watch, .watch_interval = 0.0}, operate);
   }
 
   State end_of(const std::string& name) const {
@@ -105,7 +91,7 @@ class Restraints : public testing::Test {
     return state;
   }
 
-  const int threads_ = omp_get_max_threads();
+  const OneThread one_;
   Folder folder_;
 };
 
@@ -287,6 +273,55 @@ TEST_F(Restraints, APileWhoseBodiesNameAWallThatIsNotHereIsSaid) {
       warnings, [](const std::string& w) { return w.find("touch a wall 'lid'") != w.npos; }));
 }
 
+TEST_F(Restraints, ReportsTellTheMassOfHeldBodiesAndScalingLeavesIt) {
+  const std::string text = R"(
+[[body]]
+shape = "sphere"
+density = 3000
+held = {}
+[[body]]
+shape = "sphere"
+density = 1000
+position = [0, 0, 9]
+[[body]]
+shape = "sphere"
+density = 1000
+position = [0, 0, 11]
+[gravity]
+method = "none"
+[[stage]]
+name = "cut"
+carve = { region = { kind = "ball", radius = 20 } }
+[[stage]]
+name = "denser"
+)";
+  const Scene scene = parse_scene(text + "scale = { density = 1 }\n", "scene.toml", folder_.path());
+  std::vector<StageReport> reports;
+  new_run(scene, assemble(scene), folder_ / "run.h5", operate).advance({.report = [&](const StageReport& r) {
+    reports.push_back(r);
+  }});
+  ASSERT_EQ(reports.size(), 2u);
+  const double ball = 4.0 / 3.0 * kPi, region = 8000.0 * ball;
+  EXPECT_NEAR(reports[0].mass, 5000.0 * ball, 1e-9 * reports[0].mass);
+  EXPECT_NEAR(reports[0].bulk_density, 5.0 / 8.0, 1e-12);
+  EXPECT_NE(describe(reports[0]).find("3 of 3 spheres, 20944 kg, 1 of them held, 12566 kg"),
+            std::string::npos)
+      << describe(reports[0]);
+  EXPECT_NEAR(reports[1].bulk_density, 1.0, 1e-12);  // of all; the held one is as it was
+  const State end = end_of("run.h5");
+  EXPECT_NEAR(end.bodies.mass[0], 3000.0 * ball, 1e-9);
+  EXPECT_NEAR(end.bodies.mass[1], 0.5 * (region - 3000.0 * ball), 1e-9 * region);
+  try {
+    const Scene less = parse_scene(text + "scale = { density = 0.3 }\n", "scene.toml", folder_.path());
+    new_run(less, assemble(less), folder_ / "run.h5", operate).advance({});
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()).find("scene.toml:21:9: key 'stage[1].scale': held bodies alone have"),
+              0u)
+        << error.what();
+  }
+}
+
 TEST_F(Restraints, ScenesThatCannotBeAreRefused) {
   const auto error_of = [&](const std::string& text) -> std::string {
     try {
@@ -300,7 +335,8 @@ TEST_F(Restraints, ScenesThatCannotBeAreRefused) {
                     two = one + "[[body]]\nshape = 'sphere'\ndensity = 1000\nposition = [9, 0, 0]\n",
                     stage = "[[stage]]\nname = 'a'\nduration = 1\n";
   EXPECT_EQ(error_of(two + stage), "no error");
-  EXPECT_EQ(error_of(one + stage), "all bodies are held; expected one that moves");
+  EXPECT_EQ(error_of(one + stage),
+            "s.toml:4:8: key 'body[0].held': all bodies are held; expected one that moves");
   EXPECT_NE(error_of(two + stage + "spin.path = [[0, 100]]\n").find("a pile with held bodies cannot be spun"),
             std::string::npos);
 }

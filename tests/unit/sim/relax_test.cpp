@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <optional>
 
 #include "analysis/budget.h"
 #include "core/error.h"
@@ -12,8 +11,8 @@
 #include "folder.h"
 #include "shape/library.h"
 #include "sim/fields.h"
-#include "sim/run.h"
 #include "stage.h"
+#include "whole_run.h"
 
 namespace cairn {
 namespace {
@@ -155,39 +154,26 @@ duration = 20
 series_interval = 20
 )";
 
-Run new_run(Setup setup, const std::filesystem::path& path) {
-  Scene scene = parse_scene(kRun, "run.toml", ".");
-  RunAttributes attributes{
-      .title = scene.title, .scene = scene.text, .directory = ".", .version = "", .seed = scene.seed};
-  return Run(std::move(scene), std::move(setup), ResultFile::create(path, attributes.table(), false));
-}
-
 /// Runs to the end, interrupted in every ten thousandth step if it `stops`. @return how often that was.
-int run_to_end(const std::filesystem::path& path, bool stops) {
+int relax(const std::filesystem::path& path, bool stops) {
   Setup setup;
   setup.shapes = {"sphere", "dumbbell"};
   add_lattice(setup.bodies, 1.95, Vec3::Zero(), Vec3::Zero());
-  std::optional<Run> run(new_run(std::move(setup), path));
   std::vector<std::string> ends;
-  for (int count = 0;; ++count) {
-    const RunEnd end =
-        run->advance({.watch = [&](const Run& r) { return !stops || r.state().clock.step % 10000 != 500; },
-                      .report = [&](const StageReport& r) { ends.push_back(r.what); },
-                      .watch_interval = 0.0});
-    if (end == RunEnd::finished) {
-      EXPECT_EQ(ends.size(), 2u);
-      EXPECT_EQ(ends.at(0).find("relaxed after "), 0u) << ends[0];
-      return count;
-    }
-    run.reset();  // the file takes one writer at a time
-    run.emplace(Run::resume(path));
-  }
+  const int count =
+      run_to_end(new_run(kRun, std::move(setup), path),
+                 {.watch = [&](const Run& r) { return !stops || r.state().clock.step % 10000 != 500; },
+                  .report = [&](const StageReport& r) { ends.push_back(r.what); },
+                  .watch_interval = 0.0});
+  EXPECT_EQ(ends.size(), 2u);
+  EXPECT_EQ(ends.at(0).find("relaxed after "), 0u) << ends[0];
+  return count;
 }
 
 TEST(Relax, StoppedAndResumedGivesTheSameBits) {
   const Folder folder;
-  EXPECT_EQ(run_to_end(folder / "whole.h5", false), 0);
-  EXPECT_GT(run_to_end(folder / "pieces.h5", true), 1);
+  EXPECT_EQ(relax(folder / "whole.h5", false), 0);
+  EXPECT_GT(relax(folder / "pieces.h5", true), 1);
   const ResultFile whole = ResultFile::open(folder / "whole.h5"),
                    pieces = ResultFile::open(folder / "pieces.h5");
   for (const char* column : {"relaxed_work", "kinetic_energy", "elastic_energy", "time"})
@@ -207,7 +193,10 @@ TEST(Relax, StoppedAndResumedGivesTheSameBits) {
 /// The ratio that the second stage of two balls begins with.
 StartEnergy energy_of_second_stage(const std::string& stages, double distance, const Operation& operation) {
   const Folder folder;
-  Scene scene = parse_scene(R"(
+  Setup setup;
+  setup.shapes = {"sphere"};
+  add_balls(setup.bodies, {{0.0, 0.0, 0.0}, {distance, 0.0, 0.0}});
+  Run run = new_run(R"(
 [[body]]
 shape = "sphere"
 density = 2000
@@ -216,14 +205,7 @@ method = "direct"
 [contact]
 stiffness = 0.1
 )" + stages,
-                            "run.toml", ".");
-  RunAttributes attributes{
-      .title = scene.title, .scene = scene.text, .directory = ".", .version = "", .seed = scene.seed};
-  Setup setup;
-  setup.shapes = {"sphere"};
-  add_balls(setup.bodies, {{0.0, 0.0, 0.0}, {distance, 0.0, 0.0}});
-  Run run(std::move(scene), std::move(setup),
-          ResultFile::create(folder / "run.h5", attributes.table(), false), operation);
+                    std::move(setup), folder / "run.h5", operation);
   run.advance({});
   return run.start_energy();
 }

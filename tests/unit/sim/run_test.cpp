@@ -2,7 +2,6 @@
 #include "sim/run.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <cmath>
 #include <cstring>
@@ -10,6 +9,7 @@
 #include "folder.h"
 #include "shape/library.h"
 #include "sim/fields.h"
+#include "whole_run.h"
 
 namespace cairn {
 namespace {
@@ -51,23 +51,8 @@ series_interval = 0.05
 snapshot_interval = 1
 )";
 
-/// One thread while it lives: scenes this small gain nothing from more.
-struct OneThread {
-  const int threads = omp_get_max_threads();
-  OneThread() { omp_set_num_threads(1); }
-  ~OneThread() { omp_set_num_threads(threads); }
-};
-
-Run new_run(const std::string& text, Setup setup, const std::filesystem::path& path) {
-  Scene scene = parse_scene(text, "run.toml", ".");
-  RunAttributes attributes{
-      .title = scene.title, .scene = scene.text, .directory = ".", .version = "", .seed = scene.seed};
-  ResultFile file = ResultFile::create(path, attributes.table(), false);
-  return Run(std::move(scene), std::move(setup), std::move(file));
-}
-
 /// Runs to the end; with `stops` it is interrupted at every opportunity. @return how often that was.
-int run_to_end(const std::filesystem::path& path, bool stops) {
+int fall(const std::filesystem::path& path, bool stops) {
   const OneThread one;
   Setup setup;
   setup.shapes = {"sphere", "cube"};
@@ -77,12 +62,7 @@ int run_to_end(const std::filesystem::path& path, bool stops) {
              {.position = {3.2 * shape, 0.3 * shape, 1.0 + shape},
               .velocity = {0.3, 0.2, 0.0},
               .angular_velocity = {0.2, 0.1, 0.3}});
-  std::optional<Run> run(new_run(kScene, std::move(setup), path));
-  for (int count = 0;; ++count) {
-    if (run->advance({.watch = [&](const Run&) { return !stops; }}) == RunEnd::finished) return count;
-    run.reset();  // the file takes one writer at a time
-    run.emplace(Run::resume(path));
-  }
+  return run_to_end(new_run(kScene, std::move(setup), path), {.watch = [&](const Run&) { return !stops; }});
 }
 
 bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
@@ -91,8 +71,8 @@ bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
 
 TEST(Run, StoppedAndResumedOnAFloorGivesTheSameBits) {
   const Folder folder;
-  EXPECT_EQ(run_to_end(folder / "whole.h5", false), 0);
-  EXPECT_GT(run_to_end(folder / "pieces.h5", true), 0);
+  EXPECT_EQ(fall(folder / "whole.h5", false), 0);
+  EXPECT_GT(fall(folder / "pieces.h5", true), 0);
   const ResultFile whole = ResultFile::open(folder / "whole.h5"),
                    pieces = ResultFile::open(folder / "pieces.h5");
   EXPECT_GE(whole.series_columns().size(), series_columns().size() + 12u);  // loads of a wall at least
@@ -159,7 +139,7 @@ TEST(Run, ATumblingBodyStoppedAndResumedKeepsItsTimeStep) {
 
 TEST(Run, WritesRowsAndSnapshotsAtTheirIntervalsAndAtTheEndsOfStages) {
   const Folder folder;
-  run_to_end(folder / "run.h5", false);
+  fall(folder / "run.h5", false);
   const ResultFile file = ResultFile::open(folder / "run.h5");
   EXPECT_TRUE(file.finished());
   const std::vector<double> time = file.read_series("time"), stage = file.read_series("stage");
@@ -307,6 +287,37 @@ TEST(Run, SpringsOutliveTheStage) {
   std::vector<std::uint16_t> touching;
   file.read_snapshot(2, {{"sphere_contacts", "", "", &touching, "sphere"}});
   EXPECT_EQ(touching, (std::vector<std::uint16_t>{1, 1}));
+}
+
+TEST(Run, ThatBreaksOffTellsItsSteps) {
+  const Folder folder;
+  cairn::Setup setup;
+  setup.shapes = {"sphere"};
+  add_body(setup.bodies, make_rigid(load_shape("sphere", "."), MassModel::union_volume), 0, 1.0, 2000.0, 0,
+           {.position = {0, 0, 9}, .velocity = {0, 0, -20}});
+  cairn::Run run = new_run(R"(
+[[body]]
+shape = "sphere"
+density = 2000
+[[wall]]
+kind = "plane"
+[gravity]
+method = "none"
+[contact]
+stiffness = 1e5
+[[stage]]
+name = "fall"
+duration = 10
+)",
+                           std::move(setup), folder / "run.h5");
+  EXPECT_THROW(run.advance({}), UnstableError);
+  const ResultFile file = ResultFile::open(folder / "run.h5");
+  Clock checkpoint;
+  file.read_checkpoint({{"clock/total_steps", "", "", &checkpoint.total_steps}});
+  EXPECT_EQ(checkpoint.total_steps, 0u);
+  EXPECT_GT(run.state().clock.total_steps, 10u);
+  EXPECT_EQ(reached(file, checkpoint).steps, run.state().clock.total_steps);
+  EXPECT_EQ(reached(file, checkpoint).time, run.state().clock.time());
 }
 
 }  // namespace

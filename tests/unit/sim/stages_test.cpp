@@ -8,20 +8,11 @@
 #include "folder.h"
 #include "shape/library.h"
 #include "sim/make_walls.h"
-#include "sim/run.h"
 #include "sim/warnings.h"
+#include "whole_run.h"
 
 namespace cairn {
 namespace {
-
-Run new_run(const std::string& text, Setup setup, const std::filesystem::path& path,
-            Operation operation = {}) {
-  Scene scene = parse_scene(text, "run.toml", ".");
-  RunAttributes attributes{
-      .title = scene.title, .scene = scene.text, .directory = ".", .version = "", .seed = scene.seed};
-  ResultFile file = ResultFile::create(path, attributes.table(), false);
-  return Run(std::move(scene), std::move(setup), std::move(file), std::move(operation));
-}
 
 Setup balls(const std::vector<Vec3>& places) {
   Setup setup;
@@ -497,7 +488,8 @@ method = "none"
   // The floor is of none of its own.
   const Scene floor = parse_scene(text + "[[wall]]\nkind = 'plane'\nmaterial = 'idle'\n", "run.toml", ".");
   bodies.material = {0, 0};
-  EXPECT_THROW(resolve_stiffness(floor, 0, bodies, make_walls(floor), 0.0), InputError);
+  EXPECT_THROW(resolve_stiffness(floor, 0, bodies, walls_of_stage(floor, 0, make_walls(floor), {}), 0.0),
+               InputError);
 }
 
 TEST(Stages, WarnOfOverlapsOfTheSoftestPairThatThereIs) {
@@ -524,7 +516,7 @@ method = "none"
     Bodies bodies = balls({{0.0, 0.0, 2.0}, {0.0, 0.0, 5.0}}).bodies;
     bodies.material = std::move(materials);
     bodies.velocity[0].x() = 0.1;
-    const std::vector<Wall> walls = make_walls(scene);
+    const Walls walls = walls_of_stage(scene, 0, make_walls(scene), {});
     const Physics physics =
         resolve_physics(scene, 0, bodies, resolve_stiffness(scene, 0, bodies, walls, 0.0).k_n);
     for (const std::string& line : warnings(physics, bodies, walls))
@@ -565,13 +557,14 @@ method = "none"
     return std::string();
   };
   // 1e4 Pa times (2 beta R)^2 = 0.25 m^2 is 2500 N: 1e4 N/m give 0.25 m.
-  EXPECT_EQ(
-      error("", 1e4),
-      "stage 'hang': cohesion presses spheres together by 0.25 of their radius, overlap_limit is 0.1; a "
-      "contact.stiffness of at least 2.5e+04 N/m is needed");
+  EXPECT_EQ(error("", 1e4),
+            "run.toml:12:1: key 'stage[0]': stage 'hang': cohesion presses spheres together by 0.25 of their "
+            "radius, overlap_limit is 0.1; a "
+            "contact.stiffness of at least 2.5e+04 N/m is needed");
   EXPECT_EQ(
       error("stiffness = 1e4", 1e6),
-      "stage 'hang': cohesion presses spheres together by 0.25 of their radius, overlap_limit is 0.1; a "
+      "run.toml:12:1: key 'stage[0]': stage 'hang': cohesion presses spheres together by 0.25 of their "
+      "radius, overlap_limit is 0.1; a "
       "stiffness of the contacts, contact.stiffness or material.stiffness, of at least 2.5 times what they "
       "have is needed");
   EXPECT_EQ(error("stiffness = 1e6", 1e4), "");
@@ -679,6 +672,118 @@ TEST(Stages, ABlowThatSpansTwoOfTheSameSettingsIsOneBlow) {
     // With masses of the time of the change 6e-3 m/s; what is left: its dashpots see the velocities of then.
     EXPECT_LT((two - one).norm(), 1e-7 * one.norm()) << first;
   }
+}
+
+/// The error or, if there is none, the warnings of a scene with balls at these places.
+std::string said_of(const std::string& text, const std::vector<Vec3>& places) {
+  const Folder folder;
+  try {
+    Run run = new_run(text, balls(places), folder / "run.h5");
+    std::string all;
+    for (const std::string& line : run.warnings()) all += line + "\n";
+    run.advance({});
+    return all;
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+}
+
+constexpr const char* kTwoWalls = R"([[body]]
+shape = "sphere"
+density = 2000
+[[wall]]
+kind = "plane"
+stages = ["later"]
+point = [0, 0, -9]
+[[wall]]
+name = "drum"
+kind = "cylinder"
+radius = 4
+angular_velocity = [0, 0, {}]
+[gravity]
+method = "none"
+[contact]
+stiffness = 1e6
+[[stage]]
+name = "now"
+duration = {}
+[[stage]]
+name = "later"
+duration = 0.1
+)";
+
+TEST(Stages, MessagesNameWallsAndWhereTheyStand) {
+  const auto scene = [](double spin, double duration) {
+    return fmt::format(fmt::runtime(kTwoWalls), spin, duration);
+  };
+  EXPECT_NE(said_of(scene(1e4, 0.1), {{0, 0, 0}}).find("wall 'drum' (cylinder, run.toml:8) turns by"),
+            std::string::npos);
+  EXPECT_EQ(
+      said_of(scene(0.0, 0.1), {{3.2, 0, 0}}),
+      "run.toml:17:1: key 'stage[0]': sphere 0 of body 0 and wall 'drum' (cylinder, run.toml:8) overlap at "
+      "the start by 0.2 of the smaller radius; contact.overlap_limit is 0.1");
+}
+
+TEST(Stages, ErrorsTellTheStageAndItsKey) {
+  const std::string text = R"([[body]]
+shape = "sphere"
+density = 2000
+[gravity]
+method = "none"
+[[stage]]
+name = "a"
+duration = 1
+)";
+  EXPECT_EQ(
+      said_of(text, {{0, 0, 0}, {9, 0, 0}}),
+      "run.toml:6:1: key 'stage[0]': stage 'a': nothing loads the contacts, so no stiffness can be chosen; "
+      "expected contact.stiffness or an impact_speed");
+  EXPECT_EQ(
+      said_of(text + "stiffness = 1e3\ntime_step = 1e-16\n", {{0, 0, 0}, {9, 0, 0}}),
+      "run.toml:8:12: key 'stage[0].duration': stage 'a': 1e+16 steps of 1e-16 s are more than a run can "
+      "make");
+}
+
+TEST(Stages, AWallUnderALoadThatIsLeftOutStaysAndComesBackAtRest) {
+  const Folder folder;
+  run(R"(
+[[body]]
+shape = "sphere"
+density = 2000
+[[wall]]
+name = "lid"
+kind = "plane"
+normal = [0, 0, -1]
+point = [0, 0, 90]
+load = 30
+load_mass = 10
+stages = ["press", "again"]
+[gravity]
+method = "none"
+[contact]
+stiffness = 1e4
+[[stage]]
+name = "press"
+duration = 2
+[[stage]]
+name = "wait"
+duration = 5
+[[stage]]
+name = "again"
+duration = 1
+)",
+      balls({{0, 0, 0}, {9, 0, 0}}), folder / "run.h5");
+  const ResultFile file = ResultFile::open(folder / "run.h5");
+  const std::vector<double> stage = file.read_series("stage"),
+                            place = file.read_series("wall_lid_displacement"),
+                            speed = file.read_series("wall_lid_speed");
+  for (std::size_t k = 1; k < stage.size(); ++k) {
+    if (stage[k] == 1.0) EXPECT_EQ(speed[k], 0.0);
+    if (stage[k] != stage[k - 1]) EXPECT_EQ(speed[k], 0.0);
+    if (stage[k] == 1.0) EXPECT_NEAR(place[k], 0.5 * 3.0 * 4.0, 1e-9);
+  }
+  EXPECT_NEAR(place.back(), 0.5 * 3.0 * (4.0 + 1.0), 1e-9);
+  EXPECT_NEAR(speed.back(), 3.0, 1e-9);
 }
 
 }  // namespace
