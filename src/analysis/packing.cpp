@@ -7,6 +7,7 @@
 
 #include "analysis/spin_state.h"
 #include "body/cells.h"
+#include "core/elementary.h"
 
 namespace cairn {
 
@@ -47,7 +48,7 @@ template <class Container>
 std::vector<double> cell_volumes(const Cluster& cluster, const std::vector<std::uint8_t>& asked) {
   constexpr double per_block = 5.0;  // spheres; what Voro++ does fastest
   const Vec3 size = cluster.high - cluster.low;
-  const double edge = std::cbrt(per_block * size.prod() / static_cast<double>(cluster.positions.size()));
+  const double edge = cube_root(per_block * size.prod() / static_cast<double>(cluster.positions.size()));
   std::array<int, 3> n{};
   for (int axis = 0; axis < 3; ++axis) n[axis] = std::clamp(static_cast<int>(size[axis] / edge), 1, 1000);
   const Vec3 &low = cluster.low, &high = cluster.high;

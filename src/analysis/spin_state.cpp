@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "body/cells.h"
+#include "core/elementary.h"
 #include "core/error.h"
 #include "core/parallel.h"
 
@@ -103,7 +104,7 @@ double wobble(const SpinState& state) {
     const Vec3 axis = principal.axes.col(k);
     along += axis.dot(state.angular_momentum) * axis;
   }
-  return std::atan2((state.angular_momentum - along).norm(), along.norm());
+  return arc_tangent((state.angular_momentum - along).norm(), along.norm());
 }
 
 }  // namespace cairn

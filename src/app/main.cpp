@@ -1,6 +1,6 @@
 // cairn: rubble piles of glued-sphere grains. Exit codes: 0 done, 2 bad input or unusable file, 3 the physics
 // left its bounds, 130 interrupted.
-#include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -13,17 +13,25 @@
 #include "app/commands.h"
 #include "app/run_loop.h"
 #include "app/standard_streams.h"
+#include "core/build.h"
 #include "core/error.h"
 #include "core/file_descriptor.h"
+#include "core/instruction_set.h"
 #include "core/runtime.h"
 #include "io/options.h"
 
 namespace {
 
+std::string version_text() {
+  return fmt::format("{}\nbuild: {}\ninstruction set: {} of {}", CAIRN_VERSION, cairn::build_name(),
+                     cairn::instruction_set(), fmt::join(cairn::instruction_sets(), ", "));
+}
+
 /// Parses the command line and does what it asks for.
 int run(CLI::App& app, int argc, char** argv) {
   const auto say = [](std::string_view what) { spdlog::error("{}", cairn::printable(what, 4096)); };
   try {
+    cairn::obey_environment();
     app.parse(argc, argv);
     return 0;
   } catch (const CLI::ParseError& error) {
@@ -76,13 +84,21 @@ int end(int code, const CLI::App& app) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (!cairn::processor_suffices()) {
+    std::fputs("error: this processor lacks SSE4.2, which cairn needs\n", stderr);
+    return 2;
+  }
   cairn::tune_runtime(argv);
   // Before stderr is guarded, behind which no terminal for colours would be seen.
   spdlog::set_default_logger(spdlog::stderr_color_st("cairn"));
   spdlog::set_pattern("%^%l%$: %v");
   cairn::guard_standard_streams();
   CLI::App app{"Rubble piles of glued-sphere grains: contacts, self-gravity, spin-up.", "cairn"};
-  app.set_version_flag("--version", CAIRN_VERSION);
+  app.set_version_flag("--version", version_text);
+  app.add_option_function<std::string>("--instruction-set", cairn::use_instruction_set,
+                                       "run on this one of the processor's; also CAIRN_INSTRUCTION_SET")
+      ->trigger_on_parse()
+      ->type_name(fmt::format("{}", fmt::join(cairn::instruction_sets(), "|")));
   app.require_subcommand(1);
   cairn::add_shape_commands(app);
   cairn::add_check_command(app);

@@ -1,6 +1,7 @@
 #include "app/run_loop.h"
 
 #include <fmt/core.h>
+#include <omp.h>
 #include <spdlog/spdlog.h>
 
 #include <array>
@@ -10,6 +11,7 @@
 
 #include "app/status_line.h"
 #include "app/summary.h"
+#include "core/instruction_set.h"
 #include "core/parallel.h"
 #include "core/timer.h"
 
@@ -97,6 +99,9 @@ void run_to_end(Run run) {
   for (const std::string& difference : run.differences()) spdlog::warn("{}", difference);
   const SignalGuard guard;
   use_threads_for(run.sphere_count());
+  fmt::print("cairn {}, {} ({}), threads: {}\n", CAIRN_VERSION, instruction_set(), promise_of_bits(),
+             omp_get_max_threads());
+  std::fflush(stdout);
   ProgressBar bar;
   const double start = wall_seconds();
   const std::uint64_t first = run.state().clock.total_steps;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/elementary.h"
+
 namespace cairn {
 
 Vec3 Box::nearest_image(const Vec3& d) const {
@@ -12,7 +14,8 @@ Vec3 Box::nearest_image(const Vec3& d) const {
 }
 
 Vec3 Strain::edge(double t) const {
-  return start.array() * (std::min(t, until) * rate).array().exp();
+  const Vec3 growth = std::min(t, until) * rate;
+  return start.cwiseProduct(Vec3(exponential(growth.x()), exponential(growth.y()), exponential(growth.z())));
 }
 
 double least_edge(const Bodies& bodies) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/elementary.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 
@@ -48,8 +49,7 @@ bool Candidates::expired(const Bodies& bodies, double time, ContactList& contact
   const double elapsed = time - motion_.time;
   const Vec3 center = motion_.center + elapsed * motion_.velocity;
   const double angle = motion_.spin.norm() * elapsed;
-  Mat3 turn = angle == 0.0 ? Mat3::Identity()
-                           : Eigen::AngleAxisd(angle, motion_.spin.normalized()).toRotationMatrix();
+  Mat3 turn = angle == 0.0 ? Mat3::Identity() : rotation(angle, motion_.spin.normalized()).toRotationMatrix();
   double least = 1.0;
   if (box.periodic()) {
     const Vec3 stretch = (box.edge.array() > 0.0).select(box.edge.cwiseQuotient(edge_), 1.0);
@@ -141,12 +141,12 @@ bool Candidates::widen_few(std::uint64_t age, const std::vector<float>& moved) {
   const double n = static_cast<double>(moved.size());
   for (std::uint64_t life = kGoodLife; life >= kShortLife; life /= 2) {
     const double longer = static_cast<double>(life) / static_cast<double>(age);
-    const auto limit2 = static_cast<float>(std::pow(0.5 * skin_ / longer, 2));
+    const auto limit2 = static_cast<float>(squared(0.5 * skin_ / longer));
     const auto fast = [&](float moved2) { return moved2 > limit2; };
     const auto count = static_cast<double>(std::count_if(moved.begin(), moved.end(), fast));
     if (count == 0.0) return false;
     if (count > kFew * n) continue;
-    const double most = smallest_ * std::cbrt(n / count);  // together near as many spheres as there are
+    const double most = smallest_ * cube_root(n / count);  // together near as many spheres as there are
     own_.assign(moved.size(), 0.5 * skin_);
     for (std::size_t s = 0; s < moved.size(); ++s)
       if (fast(moved[s])) own_[s] = std::clamp(2.0 * longer * std::sqrt(double{moved[s]}), own_[s], most);

@@ -106,7 +106,7 @@ void ContactList::set_shares() {
     blocks[k + 1].share = static_cast<std::uint32_t>(outside.size());
   }
   give_back(latest);
-  shares.assign(outside.size(), WrenchShare(0.0));
+  shares.assign(outside.size(), WrenchShare{});
   for (std::size_t s = 0; s < spheres; ++s) earlier_begin[s + 1] += earlier_begin[s];
   earlier.resize(outside.size());
   std::vector<std::uint32_t> cursor(earlier_begin.begin(), earlier_begin.end() - 1);

@@ -8,7 +8,7 @@
 
 #include "body/bodies.h"
 #include "contact/law/features.h"
-#include "contact/law/law.h"
+#include "contact/law/memory.h"
 #include "contact/search.h"
 #include "core/math.h"
 
@@ -29,7 +29,9 @@ struct ContactWrench {
 
 /// What some contacts together exert on a sphere, in one cache line: force (N) and torque about the sphere's
 /// centre (N m), three numbers each and one that is not used.
-using WrenchShare = Batch;
+struct alignas(64) WrenchShare {
+  double v[8] = {};
+};
 
 /// The spring and dashpot of one contact against sliding.
 struct alignas(32) SlideSpring {

@@ -1,10 +1,16 @@
 #include "contact/kinematics.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "contact/kinematics.cpp"
+#include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>
+
 #include "core/parallel.h"
-#include "core/simd.h"
+#include "core/simd-inl.h"
 
+HWY_BEFORE_NAMESPACE();
 namespace cairn {
-
+namespace HWY_NAMESPACE {
 namespace {
 
 /// Motions of many spheres are out of the caches before they are read: they are written past them.
@@ -13,11 +19,8 @@ void write(const SphereMotion& from, bool many, SphereMotion& to) {
     to = from;
     return;
   }
-  for (std::size_t k = 0; k < 2; ++k) {
-    Batch half;
-    __builtin_memcpy(&half, from.position + k * kLanes, sizeof half);
-    stream(half, to.position + k * kLanes);
-  }
+  for (std::size_t k = 0; k < sizeof(SphereMotion) / sizeof(double); k += kLanes)
+    hn::Stream(Batch::load(from.position + k).v, Tag(), to.position + k);
 }
 
 }  // namespace
@@ -62,7 +65,21 @@ void compute_motions(const Bodies& bodies, std::span<const Vec3> spin_mid, doubl
       write(m, many, motions[s]);
     }
   }
-  if (many) end_of_streams();
+  if (many) hwy::FlushStream();  // before other threads read them
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace cairn
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace cairn {
+
+HWY_EXPORT(compute_motions);
+
+void compute_motions(const Bodies& bodies, std::span<const Vec3> spin_mid, double dt, const Vec3& rate,
+                     std::size_t begin, std::size_t end, std::vector<SphereMotion>& motions) {
+  HWY_DYNAMIC_DISPATCH(compute_motions)(bodies, spin_mid, dt, rate, begin, end, motions);
 }
 
 void compute_motions(const Bodies& bodies, std::span<const Vec3> spin_mid, double dt,
@@ -79,3 +96,4 @@ void move_motions(const Spheres& spheres, std::vector<SphereMotion>& motions) {
 }
 
 }  // namespace cairn
+#endif

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "contact/law/pair.h"
+#include "core/elementary.h"
 
 namespace cairn {
 
@@ -16,14 +17,6 @@ namespace {
 
 constexpr double kPacking = 0.6;     // bulk over particle density of a random pile
 constexpr double kForceChain = 8.0;  // strongest chain over mean load
-
-double cubed(double x) {
-  return x * x * x;
-}
-
-double squared(double x) {
-  return x * x;
-}
 
 /// Sum of the cubed radii (m^3) of the spheres of body b.
 double cubed_radii(const Bodies& bodies, std::size_t b) {
@@ -146,7 +139,7 @@ Mobility greatest_mobility(const Bodies& bodies, std::size_t b) {
     for (int k = 0; k < directions; ++k) {  // normals on a Fibonacci spiral
       const double z = 1.0 - (2 * k + 1.0) / directions, angle = kPi * (3.0 - std::sqrt(5.0)) * k;
       const double rho = std::sqrt(1.0 - z * z);
-      const Vec3 n(rho * std::cos(angle), rho * std::sin(angle), z);
+      const Vec3 n(rho * sine_and_cosine(angle).cosine, rho * sine_and_cosine(angle).sine, z);
       const Mat3 plane = Mat3::Identity() - n * n.transpose();
       const Mat3 in_plane = plane * rotational(arm + bodies.spheres.radius[s] * n) * plane;
       out.tangential = std::max(out.tangential, 1.0 + largest_eigenvalue(in_plane));
@@ -158,14 +151,14 @@ Mobility greatest_mobility(const Bodies& bodies, std::size_t b) {
 }  // namespace
 
 double escape_speed(const Bodies& bodies) {
-  double steepest = total_mass(bodies) / std::cbrt(cubed_radii(bodies) / kPacking);  // kg/m
+  double steepest = total_mass(bodies) / cube_root(cubed_radii(bodies) / kPacking);  // kg/m
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    steepest = std::max(steepest, bodies.mass[b] / std::cbrt(cubed_radii(bodies, b)));
+    steepest = std::max(steepest, bodies.mass[b] / cube_root(cubed_radii(bodies, b)));
   return std::sqrt(2.0 * kGravitationalConstant * steepest);
 }
 
 double load_of_a_contact(const Bodies& bodies, double load) {
-  return load * std::min(1.0, kForceChain / squared(std::cbrt(static_cast<double>(bodies.size()))));
+  return load * std::min(1.0, kForceChain / squared(cube_root(static_cast<double>(bodies.size()))));
 }
 
 StiffnessChoice choose_stiffness(const Bodies& bodies, const ContactDemand& demand) {
@@ -173,7 +166,7 @@ StiffnessChoice choose_stiffness(const Bodies& bodies, const ContactDemand& dema
   double load = 0.0;  // N/m^2, over the squared radius of the sphere with the volume of a body's spheres
   if (demand.self_gravity) {
     const double density = kPacking * mass / (4.0 / 3.0 * kPi * cubes);
-    const double pile_radius = std::cbrt(cubes / kPacking);
+    const double pile_radius = cube_root(cubes / kPacking);
     load += kForceChain * kPi * 2.0 / 3.0 * kPi * kGravitationalConstant * density * density * pile_radius *
             pile_radius;
   }
@@ -185,13 +178,13 @@ StiffnessChoice choose_stiffness(const Bodies& bodies, const ContactDemand& dema
       const double cube = cubed_radii(bodies, b);
       weighing += bodies.mass[b];
       size += cube;
-      heaviest = std::max(heaviest, bodies.mass[b] / squared(std::cbrt(cube)));
+      heaviest = std::max(heaviest, bodies.mass[b] / squared(cube_root(cube)));
     }
-    load += kForceChain * demand.field * std::max(heaviest, weighing / squared(std::cbrt(size)));
+    load += kForceChain * demand.field * std::max(heaviest, weighing / squared(cube_root(size)));
   }
   if (demand.wall_load > 0.0)
     load += load_of_a_contact(bodies, demand.wall_load) /
-            squared(std::cbrt(cubes / static_cast<double>(bodies.size())));
+            squared(cube_root(cubes / static_cast<double>(bodies.size())));
   StiffnessChoice choice;
   for_worst_pairs(bodies, demand.walls, [&](std::uint32_t s, std::uint32_t b, const auto& other) {
     const double overlap = demand.max_overlap * bodies.spheres.radius[s];
@@ -201,7 +194,7 @@ StiffnessChoice choose_stiffness(const Bodies& bodies, const ContactDemand& dema
     const double impact = lighter * squared(demand.impact_speed / overlap);
     double cube = cubed_radii(bodies, b);
     if (other) cube = std::min(cube, cubed_radii(bodies, *other));
-    const double force = pull(bodies, demand, s, other) + load * squared(std::cbrt(cube));
+    const double force = pull(bodies, demand, s, other) + load * squared(cube_root(cube));
     const double aim = demand.max_overlap * smaller_radius(bodies, s, other), rest = force / aim;
     double fall = 0.0;  // a light body takes no more of it than its speed, the wall's, needs
     if (demand.wall_fall > 0.0)

@@ -6,8 +6,8 @@
 #include <span>
 
 #include "body/bodies.h"
-#include "contact/law/law.h"
 #include "contact/law/material.h"
+#include "contact/law/memory.h"
 
 namespace cairn {
 

@@ -1,33 +1,41 @@
 #include "contact/sweep.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "contact/sweep.cpp"
+#include <hwy/foreach_target.h>
+
 #include <array>
 #include <atomic>
 
-#include "contact/batch.h"
+#include "contact/batch-inl.h"
 #include "contact/dashpots.h"
-#include "contact/law/law.h"
-#include "contact/law/partial.h"
+#include "contact/law/partial-inl.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "core/vector.h"
 
+HWY_BEFORE_NAMESPACE();
 namespace cairn {
-
+namespace HWY_NAMESPACE {
 namespace {
 
 LawConstants<Batch> gather_laws(const Bodies& bodies, const SweepSettings& settings,
                                 const ContactList& contacts, const Slots& slot) {
+  const PairLaw* law[kLanes];
+  for (std::size_t l = 0; l < kLanes; ++l) law[l] = &settings.law(bodies, contacts.pair(slot[l]));
+  const auto column = [&](double PairLaw::*member) HWY_ATTR {
+    Lanes out;
+    for (std::size_t l = 0; l < kLanes; ++l) out[l] = law[l]->*member;
+    return out.batch();
+  };
   LawConstants<Batch> out;
-  for (std::size_t l = 0; l < kLanes; ++l) {
-    const PairLaw& law = settings.law(bodies, contacts.pair(slot[l]));
-    out.k_n.v[l] = law.k_n;
-    out.k_s.v[l] = law.k_s;
-    out.friction.v[l] = law.friction;
-    out.rolling.v[l] = law.rolling;
-    out.twisting.v[l] = law.twisting;
-    out.beta.v[l] = law.beta;
-    out.cohesion.v[l] = law.cohesion;
-  }
+  out.k_n = column(&PairLaw::k_n);
+  out.k_s = column(&PairLaw::k_s);
+  out.friction = column(&PairLaw::friction);
+  out.rolling = column(&PairLaw::rolling);
+  out.twisting = column(&PairLaw::twisting);
+  out.beta = column(&PairLaw::beta);
+  out.cohesion = column(&PairLaw::cohesion);
   return out;
 }
 
@@ -40,13 +48,14 @@ CAIRN_INLINE WrenchBatch wrench_of(const ContactAction<Batch>& action, const Tri
 /// Takes j where i sees it: in another cell, or as an image that moves with the box.
 CAIRN_INLINE void see_shifted(const ContactList& contacts, const Slots& slot, Triple<Batch>& d,
                               Triple<Batch>& u, Triple<Batch>& u_mid) {
-  Triple<Batch> steps;
+  Lanes x, y, z;
   for (std::size_t l = 0; l < kLanes; ++l) {
     const std::array<double, 3>& s = contacts.shift[slot[l]];
-    steps.x.v[l] = s[0];
-    steps.y.v[l] = s[1];
-    steps.z.v[l] = s[2];
+    x[l] = s[0];
+    y[l] = s[1];
+    z[l] = s[2];
   }
+  const Triple<Batch> steps{x.batch(), y.batch(), z.batch()};
   const Vec3 &edge = contacts.lattice, &rate = contacts.lattice_rate;
   d = {fma(edge[0], steps.x, d.x), fma(edge[1], steps.y, d.y), fma(edge[2], steps.z, d.z)};
   const Triple<Batch> flow{edge[0] * rate[0] * steps.x, edge[1] * rate[1] * steps.y,
@@ -79,7 +88,7 @@ class Block {
     const std::size_t own = next_.sphere - block_.sphere;
     kicks_.clear();
     if (kicks_.capacity() > own / 8) give_back(kicks_);  // rare, as in the first step of a pile
-    room_.shares.assign(own + next_.share - block_.share, WrenchShare(0.0));
+    room_.shares.assign(own + next_.share - block_.share, WrenchShare{});
   }
 
   SweepReport run() {
@@ -93,19 +102,24 @@ class Block {
       if (k + (kAhead + 1) * kLanes <= count)
         for (std::size_t l = 0; l < kLanes; ++l) fetch_partner(active[k + kAhead * kLanes + l]);
       for (std::size_t l = 0; l < kLanes; l += 2) fetch_springs(slot[l]);  // two in a line
+      part_ = k / kLanes % kParts;
       evaluate_batch<false>(slot, kLanes);
     }
     if (k < count) {  // spare lanes repeat the last contact: same values, same slot
       for (std::size_t l = 0; l < kLanes; ++l) slot.index[l] = active[std::min(k + l, count - 1)];
       slot.consecutive = false;
+      part_ = k / kLanes % kParts;
       evaluate_batch<true>(slot, count - k);
     }
     std::copy(room_.shares.end() - (next_.share - block_.share), room_.shares.end(),
               contacts_.shares.begin() + block_.share);
     SweepReport out{.dissipated = released_};
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      out.dissipated += dissipated_[l];
-      out.overlap_ratio = std::max(out.overlap_ratio, overlap_ratio_[l]);
+    for (std::size_t part = 0; part < kParts; ++part) {
+      const Lanes dissipated(dissipated_[part]), ratio(overlap_ratio_[part]);
+      for (std::size_t l = 0; l < kLanes; ++l) {
+        out.dissipated += dissipated[l];
+        out.overlap_ratio = std::max(out.overlap_ratio, ratio[l]);
+      }
     }
     return out;
   }
@@ -121,9 +135,7 @@ class Block {
     std::size_t count = 0, apart = 0;
     std::uint32_t slot = block_.slot;
     for (; slot + kLanes <= last; slot += kLanes) {
-      Batch c_n;
-      __builtin_memcpy(&c_n, &contacts_.c_n[slot], sizeof c_n);
-      const Mask not_touching = c_n < Batch(0.0);
+      const Mask not_touching = Batch::load(&contacts_.c_n[slot]) < Batch(0.0);
       count += write_lanes(!not_touching, slot, &active[count]);
       apart += write_lanes(not_touching, slot, &fresh[apart]);
     }
@@ -188,7 +200,7 @@ class Block {
     if constexpr (F.rolling || F.twisting) __builtin_prefetch(&contacts_.turn[ahead], 1, 2);
   }
 
-  /// Eight pairs at once, of which the first `used` count. A batch in which no contact begins or ends needs
+  /// kLanes pairs at once, of which the first `used` count. A batch in which no contact begins or ends needs
   /// no call, and so can keep its values in registers; any other one starts again with `changes`.
   template <bool changes>
   [[gnu::noinline]] void evaluate_batch(const Slots& slot, std::size_t used) {
@@ -210,11 +222,15 @@ class Block {
     ContactMemory<Batch> memory;
     memory.c_n = gather(contacts_.c_n, slot);
     const Mask fresh = (memory.c_n < Batch(0.0)) & !parted;
-    Batch mass = 0.0;  // effective, of those that begin
+    Lanes mass(0.0);  // effective, of those that begin
+    unsigned parted_bits = 0, fresh_bits = 0;
     if constexpr (changes) {
+      parted_bits = bits(parted);
+      fresh_bits = bits(fresh);
+      const Lanes x(d.x), y(d.y), z(d.z), radii(sum);
       for (std::size_t l = 0; l < used; ++l) {
-        if (parted.v[l]) part(slot[l], {d.x[l], d.y[l], d.z[l]}, sum[l]);
-        if (fresh.v[l]) mass.v[l] = set_damping(bodies_, settings_, contacts_, slot[l]);
+        if (parted_bits >> l & 1u) part(slot[l], {x[l], y[l], z[l]}, radii[l]);
+        if (fresh_bits >> l & 1u) mass[l] = set_damping(bodies_, settings_, contacts_, slot[l]);
       }
       memory.c_n = gather(contacts_.c_n, slot);
     } else if (any(parted | fresh)) {
@@ -255,45 +271,47 @@ class Block {
     store_springs<F>(contacts_, slot, memory);
     const WrenchBatch wrench = wrench_of(action, geometry.n, arm_i, arm_j);
     const Batch smaller = min(a.radius, b.radius);
-    if (any(geometry.overlap > overlap_ratio_ * smaller))
-      overlap_ratio_ = max(overlap_ratio_, geometry.overlap / smaller);
+    Batch& ratio = overlap_ratio_[part_];
+    if (any(geometry.overlap > ratio * smaller)) ratio = max(ratio, geometry.overlap / smaller);
+    add_wrenches(slot, index_i, wrench, parted_bits, used);
     if constexpr (!changes) {
-      dissipated_ += action.dissipated;
-      add_wrenches(slot, index_i, wrench, Mask{}, kLanes);
+      dissipated_[part_] += action.dissipated;
       return;
     }
-    add_wrenches(slot, index_i, wrench, parted, used);
-    if (any(fresh)) begin(slot, used, fresh, mass, law, geometry, motion, memory, action, arm_i, arm_j);
-    for (std::size_t l = 0; l < used; ++l) {
-      if (parted.v[l])
-        contacts_.release(slot[l]);
-      else
-        dissipated_.v[l] += action.dissipated[l];
+    if (fresh_bits != 0) begin(slot, used, fresh, mass, law, geometry, motion, memory, action, arm_i, arm_j);
+    Lanes lost(action.dissipated);
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const bool has_parted = parted_bits >> l & 1u;
+      if (has_parted && l < used) contacts_.release(slot[l]);
+      if (has_parted || l >= used) lost[l] = 0.0;
     }
+    dissipated_[part_] += lost.batch();
   }
 
   /// Adds the wrenches of the first `used` contacts to their spheres' shares, without those that have parted.
   CAIRN_INLINE void add_wrenches(const Slots& slot, const std::uint32_t (&index_i)[kLanes],
-                                 const WrenchBatch& w, Mask parted, std::size_t used) {
-    Batch on_i[kLanes], less_on_j[kLanes];
+                                 const WrenchBatch& w, unsigned parted, std::size_t used) {
+    Octet on_i[kLanes], less_on_j[kLanes];
     to_rows(w.force, w.torque_i, on_i);
     to_rows(w.force, w.less_torque_j, less_on_j);
-    WrenchShare *of_i[kLanes], *of_j[kLanes];
+    double *of_i[kLanes], *of_j[kLanes];
     for (std::size_t l = 0; l < kLanes; ++l) {
-      of_i[l] = &room_.shares[index_i[l] - block_.sphere];
-      of_j[l] = &room_.shares[contacts_.share_of_j[slot[l]]];
+      of_i[l] = room_.shares[index_i[l] - block_.sphere].v;
+      of_j[l] = room_.shares[contacts_.share_of_j[slot[l]]].v;
     }
     for (std::size_t l = 0; l < used; ++l) {
-      if (parted.v[l]) continue;
-      *of_i[l] += on_i[l];
-      *of_j[l] -= less_on_j[l];
+      if (parted >> l & 1u) continue;
+      (Octet::load(of_i[l]) + on_i[l]).store(of_i[l]);
+      (Octet::load(of_j[l]) - less_on_j[l]).store(of_j[l]);
     }
     if (contacts_.keep_wrenches) keep(slot, w, parted, used);
   }
 
-  [[gnu::noinline]] void keep(const Slots& slot, const WrenchBatch& w, Mask parted, std::size_t used) {
+  [[gnu::noinline]] void keep(const Slots& slot, const WrenchBatch& w, unsigned parted, std::size_t used) {
+    ContactWrench wrench[kLanes];
+    w.write(wrench);
     for (std::size_t l = 0; l < used; ++l)
-      if (!parted.v[l]) contacts_.wrench[slot[l]] = w.of(l);
+      if (!(parted >> l & 1u)) contacts_.wrench[slot[l]] = wrench[l];
   }
 
   bool any_shifted(const Slots& slot) const {
@@ -304,23 +322,26 @@ class Block {
   }
 
   /// What contacts that have begun within the step give beyond the closing half kick of `end`.
-  [[gnu::noinline]] void begin(const Slots& slot, std::size_t used, Mask fresh, Batch mass,
+  [[gnu::noinline]] void begin(const Slots& slot, std::size_t used, Mask fresh, const Lanes& mass,
                                const LawConstants<Batch>& law, const ContactGeometry<Batch>& geometry,
                                const ContactMotion<Batch>& motion, const ContactMemory<Batch>& memory,
                                const ContactAction<Batch>& end, Batch arm_i, Batch arm_j) {
-    const Batch dt(settings_.dt), speed = -dot(motion.u, geometry.n), force = dot(end.force, geometry.n);
-    const Mask within = fresh & (motion.dt < dt);
-    const Batch pull = cairn::pull<F>(law, geometry.radius);
-    Batch normal(0.0);
+    const Batch dt(settings_.dt);
+    const unsigned within = bits(fresh & (motion.dt < dt));
+    const Lanes speed(-dot(motion.u, geometry.n)), force(dot(end.force, geometry.n)),
+        pull(HWY_NAMESPACE::pull<F>(law, geometry.radius)), k_n(law.k_n), c_n(memory.c_n),
+        overlap(geometry.overlap);
+    Lanes normal(0.0);
     for (std::size_t l = 0; l < used; ++l)
-      if (within.v[l]) {
-        const PartialStep step{law.k_n[l], memory.c_n[l], pull[l], mass[l], settings_.dt};
-        normal.v[l] = first_impulse(step, geometry.overlap[l], speed[l], force[l]);
+      if (within >> l & 1u) {
+        const PartialStep step{k_n[l], c_n[l], pull[l], mass[l], settings_.dt};
+        normal[l] = first_impulse(step, overlap[l], speed[l], force[l]);
       }
-    const ContactAction<Batch> due = first_touch<F>(law, geometry, motion, memory, end, normal, dt);
-    const WrenchBatch impulse = wrench_of(due, geometry.n, arm_i, arm_j);
+    const ContactAction<Batch> due = first_touch<F>(law, geometry, motion, memory, end, normal.batch(), dt);
+    ContactWrench impulse[kLanes];
+    wrench_of(due, geometry.n, arm_i, arm_j).write(impulse);
     for (std::size_t l = 0; l < used; ++l)
-      if (within.v[l]) kicks_.push_back({contacts_.pair(slot[l]), impulse.of(l)});
+      if (within >> l & 1u) kicks_.push_back({contacts_.pair(slot[l]), impulse[l]});
   }
 
   /// Ends the contact of two spheres whose centres are now `d` apart: what its springs hold is lost.
@@ -375,7 +396,9 @@ class Block {
   const LawConstants<Batch> single_;
   Room& room_;
   std::vector<PartialKick>& kicks_;
-  Batch dissipated_ = 0.0, overlap_ratio_ = 0.0;
+  static constexpr std::size_t kParts = 8 / kLanes;  // of eight logical lanes, whatever a register has
+  Batch dissipated_[kParts] = {}, overlap_ratio_[kParts] = {};
+  std::size_t part_ = 0;
   double released_ = 0.0;
 };
 
@@ -392,8 +415,8 @@ SweepReport sweep(const std::vector<SphereMotion>& motions, const SweepSettings&
     return std::atomic_ref(contacts.swept[k]).load(std::memory_order_acquire) != 0;
   };
   SweepReport total;
-  with_features(settings.features, [&]<Features F>() {
-    total = parallel_block_sum(count, 1, SweepReport{}, [&](std::size_t k, std::size_t) {
+  with_features(settings.features, [&]<Features F>() HWY_ATTR {
+    total = parallel_block_sum(count, 1, SweepReport{}, [&](std::size_t k, std::size_t) HWY_ATTR {
       static thread_local Room room;
       const SweepReport report = Block<F>(bodies, motions, settings, contacts, k, room).run();
       std::atomic_ref(contacts.swept[k]).store(1, std::memory_order_release);
@@ -414,48 +437,19 @@ SweepReport sweep(const std::vector<SphereMotion>& motions, const SweepSettings&
   return total;
 }
 
-Pair deepest_pair(const Bodies& bodies, const ContactList& contacts) {
-  const Spheres& spheres = bodies.spheres;
-  Pair deepest{0, 0};
-  double ratio = 0.0;
-  for (std::size_t slot = 0; slot < contacts.slots(); ++slot) {
-    const Pair& p = contacts.pair(slot);
-    const double ri = spheres.radius[p.i], rj = spheres.radius[p.j];
-    const double overlap = ri + rj - contacts.separation(spheres, slot).norm();
-    if (overlap > ratio * std::min(ri, rj)) {
-      ratio = overlap / std::min(ri, rj);
-      deepest = p;
-    }
-  }
-  return deepest;
-}
+}  // namespace HWY_NAMESPACE
+}  // namespace cairn
+HWY_AFTER_NAMESPACE();
 
-void apply_partial_kicks(const ContactList& contacts, Bodies& bodies) {
-  const Spheres& spheres = bodies.spheres;
-  for_each_kick(contacts, [&](std::uint32_t s, const Vec3& impulse, const Vec3& moment) {
-    const std::uint32_t b = spheres.body[s];
-    bodies.velocity[b] += impulse / bodies.mass[b];
-    bodies.spin[b] += moment + (spheres.position[s] - bodies.position[b]).cross(impulse);
-  });
-}
+#if HWY_ONCE
+namespace cairn {
 
-double stored_energy(const Bodies& bodies, const SweepSettings& settings, const ContactList& contacts) {
-  const Spheres& spheres = bodies.spheres;
-  return with_features(settings.features, [&]<Features F>() {
-    // By blocks, which do not depend on the candidates: these are others after a restart.
-    return parallel_block_sum(contacts.block_count(), 1, 0.0, [&](std::size_t k, std::size_t) {
-      double energy = 0.0;
-      for (std::uint32_t slot = contacts.blocks[k].slot; slot < contacts.blocks[k + 1].slot; ++slot) {
-        if (!contacts.touching(slot)) continue;
-        const Pair& p = contacts.pair(slot);
-        const double ri = spheres.radius[p.i], rj = spheres.radius[p.j];
-        const double overlap = ri + rj - contacts.separation(spheres, slot).norm();
-        energy += stored_energy<F>(LawConstants<double>(settings.law(bodies, p)), overlap,
-                                   ri * rj / (ri + rj), contacts.memory(slot));
-      }
-      return energy;
-    });
-  });
+HWY_EXPORT(sweep);
+
+SweepReport sweep(const std::vector<SphereMotion>& motions, const SweepSettings& settings,
+                  ContactList& contacts, Bodies& bodies, const BodyWork& work) {
+  return HWY_DYNAMIC_DISPATCH(sweep)(motions, settings, contacts, bodies, work);
 }
 
 }  // namespace cairn
+#endif

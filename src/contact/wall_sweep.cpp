@@ -2,12 +2,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/law/partial.h"
+#include "contact/law/partial-inl.h"
 #include "contact/walls.h"
 #include "core/parallel.h"
 #include "core/vector.h"
 
 namespace cairn {
+
+using namespace HWY_NAMESPACE;  // the law of one contact
 
 namespace {
 
@@ -196,7 +198,7 @@ class Walls::Sweeper {
     const double gap = touch.arm - sphere.radius, overlap = sphere.radius - touch_start.arm;
     if (gap < 0.0 || overlap <= 0.0) {  // no parting within the step
       tally.report.dissipated +=
-          cairn::stored_energy<F>(law, std::max(0.0, -gap), sphere.radius, contact.memory);
+          HWY_NAMESPACE::stored_energy<F>(law, std::max(0.0, -gap), sphere.radius, contact.memory);
       return;
     }
     const Vec3 n = end.to_space(touch.n), n_start = start.to_space(touch_start.n);

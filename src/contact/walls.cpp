@@ -4,16 +4,18 @@
 #include <cmath>
 
 #include "contact/dashpots.h"
-#include "contact/law/law.h"
+#include "contact/law/law-inl.h"
 #include "core/error.h"
 
 namespace cairn {
+
+using namespace HWY_NAMESPACE;  // the law of one contact
 
 namespace {
 
 /// The effective masses of a contact whose wall moves under a load, which yields along its axis only.
 EffectiveMass yielding(const EffectiveMass& body, const WallDrive& drive, const Vec3& n) {
-  const double along = std::pow(drive.axis.dot(n), 2) / drive.mass;
+  const double along = squared(drive.axis.dot(n)) / drive.mass;
   const double normal = 1.0 / body.normal + along, across = 2.0 / body.tangential + 1.0 / drive.mass - along;
   // A direction in which neither side yields, as that across the axis to a held body, has no mass.
   const double least = 1e-9 / drive.mass;
@@ -134,8 +136,8 @@ double Walls::stored_energy(const Bodies& bodies, const SweepSettings& settings,
       const double radius = bodies.spheres.radius[c.sphere];
       const Vec3 y = now[c.wall].to_wall(bodies.spheres.position[c.sphere]);
       const double arm = walls[c.wall].extend(c.feature, y).arm;
-      energy += cairn::stored_energy<F>(LawConstants<double>(law(bodies, settings, c.wall, c.sphere)),
-                                        radius - arm, radius, c.memory);
+      energy += HWY_NAMESPACE::stored_energy<F>(LawConstants<double>(law(bodies, settings, c.wall, c.sphere)),
+                                                radius - arm, radius, c.memory);
     }
   });
   return energy;

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "core/instruction_set.h"
+
 namespace cairn {
 namespace {
 
@@ -16,18 +18,6 @@ constexpr const char* compiler() {
   return "Clang " __clang_version__;
 #else
   return "GCC " __VERSION__;
-#endif
-}
-
-constexpr const char* instructions() {
-#if defined(__AVX512F__)
-  return "AVX-512";
-#elif defined(__AVX2__) && defined(__FMA__)
-  return "AVX2 and FMA";
-#elif defined(__ARM_NEON)
-  return "NEON";
-#else
-  return "baseline";
 #endif
 }
 
@@ -56,7 +46,7 @@ int find_build_id(dl_phdr_info* object, std::size_t, void* text) {
 std::string build_name() {
   std::string id;
   dl_iterate_phdr(find_build_id, &id);
-  return fmt::format("{}, {}, {}", compiler(), instructions(), id.empty() ? "no build ID" : id);
+  return fmt::format("{}, {}, {}", compiler(), promise_of_bits(), id.empty() ? "no build ID" : id);
 }
 
 }  // namespace cairn

@@ -16,4 +16,11 @@ using Quat = Eigen::Quaterniond;  ///< unit quaternion, body frame -> space fram
 inline constexpr double kPi = std::numbers::pi;
 inline constexpr double kGravitationalConstant = 6.67430e-11;  ///< m^3 kg^-1 s^-2 (CODATA 2018)
 
+constexpr double squared(double x) {
+  return x * x;
+}
+constexpr double cubed(double x) {
+  return x * x * x;
+}
+
 }  // namespace cairn

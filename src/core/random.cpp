@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/elementary.h"
+
 namespace cairn {
 
 std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter, std::array<std::uint32_t, 2> key) {
@@ -37,11 +39,11 @@ Vec3 Random::direction() {
   const double z = uniform(-1.0, 1.0);
   const double angle = uniform(0.0, 2.0 * kPi);
   const double s = std::sqrt(1.0 - z * z);
-  return {s * std::cos(angle), s * std::sin(angle), z};
+  return {s * sine_and_cosine(angle).cosine, s * sine_and_cosine(angle).sine, z};
 }
 
 Vec3 Random::in_ball() {
-  const double radius = std::cbrt(uniform());
+  const double radius = cube_root(uniform());
   return radius * direction();
 }
 
@@ -50,7 +52,8 @@ Quat Random::rotation() {
   const double a = uniform(0.0, 2.0 * kPi);
   const double b = uniform(0.0, 2.0 * kPi);
   const double s = std::sqrt(1.0 - u), c = std::sqrt(u);
-  return {c * std::cos(b), s * std::sin(a), s * std::cos(a), c * std::sin(b)};
+  return {c * sine_and_cosine(b).cosine, s * sine_and_cosine(a).sine, s * sine_and_cosine(a).cosine,
+          c * sine_and_cosine(b).sine};
 }
 
 }  // namespace cairn

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/math.h"
-#include "core/simd.h"
+#include "core/triple.h"
 
 namespace cairn {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
-#include "gravity/pair_kernel.h"
+#include "gravity/direct.h"
 
 namespace cairn::gravity {
 
@@ -25,20 +25,8 @@ Sample take_sample(const Points& all) {
   const std::size_t n = all.size(), stride = std::max<std::size_t>(1, n / kSample);
   Sample out;
   for (std::size_t i = stride / 2; i < n; i += stride) out.points.push_back(i);
-  PointArrays sources, targets;
-  sources.assign(all);
-  targets.resize(out.points.size());
-  for (std::size_t k = 0; k < out.points.size(); ++k)
-    targets.set(k, all.positions[out.points[k]], 0.0, sources.group[out.points[k]]);
   out.acceleration.resize(out.points.size());
-  parallel_blocks(out.points.size(), kTile, [&](std::size_t begin, std::size_t end) {
-    PairSum sums[kTile]{};
-    attract<false, true>(targets, begin, sources, 0, n, sums);
-    for (std::size_t k = begin; k < end; ++k) {
-      const PairSum& s = sums[k - begin];
-      out.acceleration[k] = kGravitationalConstant * Vec3(sum(s.x), sum(s.y), sum(s.z));
-    }
-  });
+  DirectSum().evaluate_at(out.points, all, out.acceleration);
   return out;
 }
 

@@ -2,6 +2,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "core/parallel.h"
+
 namespace cairn::gravity {
 
 void sum_groups(std::span<const Vec3> positions, std::span<const double> masses,
@@ -45,7 +47,7 @@ NetWrench& NetWrench::operator+=(const NetWrench& other) {
   return *this;
 }
 
-void Balance::set(const NetWrench& net) {
+Balance balance(const NetWrench& net, const Vec3& origin) {
   // Below this, forces with so short a lever would be large; the groups' own rotation takes the torque.
   constexpr double kSmallest = 1e-6;
   const bool felt = net.weight > 0.0;
@@ -53,9 +55,9 @@ void Balance::set(const NetWrench& net) {
   const Mat3 second = net.second - net.weight * centre * centre.transpose();
   const Turn t =
       turn(second.trace() * Mat3::Identity() - second, centre.cross(net.force) - net.torque, kSmallest);
-  rotation_ = spread(t.rotation);
-  shift_ = felt ? spread(Vec3(-net.force / net.weight - t.rotation.cross(centre))) : PackVec{};
-  torque_ = spread(Vec3(t.rest / net.mass));
+  Balance out{.origin = origin, .rotation = t.rotation, .torque = t.rest / net.mass};
+  if (felt) out.shift = -net.force / net.weight - t.rotation.cross(centre);
+  return out;
 }
 
 }  // namespace cairn::gravity

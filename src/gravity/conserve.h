@@ -3,12 +3,10 @@
 // group feels. Groups far from the others, which feel little, are changed little.
 #pragma once
 
-#include <algorithm>
 #include <span>
 #include <vector>
 
-#include "core/parallel.h"
-#include "gravity/simd.h"
+#include "core/math.h"
 
 namespace cairn::gravity {
 
@@ -46,73 +44,16 @@ struct NetWrench {
   NetWrench& operator+=(const NetWrench& other);
 };
 
-/// Wrenches on kLanes groups.
-struct PackWrench {
-  PackVec force, torque;
-};
-
-/// Masses (kg) of the `count` groups from g on; 1 in lanes past them, which are divided by it.
-inline Pack load_masses(std::span<const double> masses, std::size_t g, std::size_t count) {
-  if (count >= kLanes) return load(&masses[g]);
-  Pack m = spread(1.0);
-  for (std::size_t i = 0; i < count; ++i) m[i] = masses[g + i];
-  return m;
-}
-
 /// The change of wrenches that leaves no net force and no net torque: of forces by weight (shift + rotation x
 /// X), which is the smallest change relative to |F| / sqrt(m) that does it; what torque they have no lever
 /// for is taken from the groups' own torques, in proportion to mass.
-class Balance {
- public:
-  /// For the wrenches at(g, count), the PackWrench of the `count` groups from g on, on groups at `positions`
-  /// (m), of `masses` (kg). Sums run in a fixed order, in parallel.
-  template <class At>
-  Balance(std::span<const Vec3> positions, std::span<const double> masses, const At& at);
-
-  /// The wrenches on kLanes groups at x (m), of masses m, with the change.
-  PackWrench operator()(const PackVec& x, Pack m, const PackWrench& w) const {
-    const PackVec lever = x - origin_;
-    const Pack weight = weight_of(w.force, m);
-    return {fma(weight, shift_ + cross(rotation_, lever), w.force), fma(m, torque_, w.torque)};
-  }
-
- private:
-  /// To four digits: the same wherever it is needed.
-  static Pack weight_of(const PackVec& force, Pack mass) {
-    return dot(force, force) * rough_reciprocal(mass);
-  }
-  void set(const NetWrench& net);
-
-  PackVec origin_;  // a pile far from the zero keeps its digits
-  PackVec shift_, rotation_;
-  PackVec torque_;  // over mass
+struct Balance {
+  Vec3 origin = Vec3::Zero();  ///< m; a pile far from the zero keeps its digits
+  Vec3 shift = Vec3::Zero(), rotation = Vec3::Zero();
+  Vec3 torque = Vec3::Zero();  ///< over mass
 };
 
-template <class At>
-Balance::Balance(std::span<const Vec3> positions, std::span<const double> masses, const At& at)
-    : origin_(spread(positions[0])) {
-  set(parallel_block_sum(positions.size(), 512, NetWrench{}, [&](std::size_t begin, std::size_t end) {
-    PackVec net_force, net_torque, first, diagonal, mixed;
-    Pack mass{}, weight{};
-    for (std::size_t g = begin; g < end; g += kLanes) {
-      const std::size_t count = end - g;
-      const PackWrench w = at(g, count);
-      const PackVec x = load(&positions[g], count) - origin_;
-      const Pack m = load_masses(masses, g, count), part = weight_of(w.force, m);
-      net_force = net_force + w.force;
-      net_torque = net_torque + cross(x, w.force) + w.torque;
-      mass += count >= kLanes ? m : head(count) * m;
-      weight += part;
-      const PackVec moment{part * x.x, part * x.y, part * x.z};
-      first = first + moment;
-      diagonal = diagonal + PackVec{moment.x * x.x, moment.y * x.y, moment.z * x.z};
-      mixed = mixed + PackVec{moment.y * x.z, moment.z * x.x, moment.x * x.y};
-    }
-    const Vec3 d = sum(diagonal), s = sum(mixed);
-    Mat3 second;
-    second << d.x(), s.z(), s.y(), s.z(), d.y(), s.x(), s.y(), s.x(), d.z();
-    return NetWrench{sum(net_force), sum(net_torque), sum(mass), sum(weight), sum(first), second};
-  }));
-}
+/// That for groups whose wrenches, with places from `origin`, sum up to `net`.
+Balance balance(const NetWrench& net, const Vec3& origin);
 
 }  // namespace cairn::gravity

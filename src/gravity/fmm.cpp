@@ -1,10 +1,47 @@
 #include "gravity/fmm.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "gravity/fmm.cpp"
+#include <hwy/foreach_target.h>
+
 #include "core/error.h"
-#include "gravity/fmm_kernel.h"
+#include "gravity/fmm_kernel-inl.h"
 #include "gravity/walk.h"
 
+HWY_BEFORE_NAMESPACE();
 namespace cairn::gravity {
+namespace HWY_NAMESPACE {
+
+template <int order>
+void run(const Tree& tree, const Opening& opening, std::vector<double>& reduced, std::span<Vec3> acceleration,
+         std::span<double> potential) {
+  gather_multipoles<order>(tree, reduced);
+  const FmmKernel<order> kernel(tree, reduced, acceleration, potential);
+  Walk(tree, opening, kernel).run();
+}
+
+void run_fmm(const Tree& tree, const Opening& opening, std::vector<double>& reduced,
+             std::span<Vec3> acceleration, std::span<double> potential) {
+  switch (opening.order) {
+    case 4:
+      return run<4>(tree, opening, reduced, acceleration, potential);
+    case 5:
+      return run<5>(tree, opening, reduced, acceleration, potential);
+    case 6:
+      return run<6>(tree, opening, reduced, acceleration, potential);
+    default:
+      return run<7>(tree, opening, reduced, acceleration, potential);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace cairn::gravity
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace cairn::gravity {
+
+HWY_EXPORT(run_fmm);
 
 Fmm::Fmm(const FmmSettings& settings) : settings_(settings) {
   if (!(settings.theta >= 0.0 && settings.theta <= 1.0)) {
@@ -20,23 +57,9 @@ void Fmm::evaluate(const Points& points, std::span<Vec3> acceleration, std::span
   check(points);
   if (points.size() == 0) return;
   tree_.build(points, settings_.leaf_size);
-  switch (settings_.order) {
-    case 4:
-      return run<4>(acceleration, potential);
-    case 5:
-      return run<5>(acceleration, potential);
-    case 6:
-      return run<6>(acceleration, potential);
-    default:
-      return run<7>(acceleration, potential);
-  }
-}
-
-template <int order>
-void Fmm::run(std::span<Vec3> acceleration, std::span<double> potential) {
-  gather_multipoles<order>(tree_, reduced_);
-  const FmmKernel<order> kernel(tree_, reduced_, acceleration, potential);
-  Walk(tree_, {settings_.theta, tolerance_, order}, kernel).run();
+  HWY_DYNAMIC_DISPATCH(run_fmm)
+  (tree_, {settings_.theta, tolerance_, settings_.order}, reduced_, acceleration, potential);
 }
 
 }  // namespace cairn::gravity
+#endif

@@ -27,9 +27,6 @@ class Fmm {
   void evaluate(const Points& points, std::span<Vec3> acceleration, std::span<double> potential = {});
 
  private:
-  template <int order>
-  void run(std::span<Vec3> acceleration, std::span<double> potential);
-
   FmmSettings settings_;
   double tolerance_ = 0.0;
   Tree tree_;

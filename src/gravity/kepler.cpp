@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/elementary.h"
+
 namespace cairn::gravity {
 
 namespace {
@@ -27,11 +29,11 @@ Stumpff stumpff(double z) {
   }
   const double x = std::sqrt(std::abs(z)), x3 = x * x * x;
   if (z > 0.0) {
-    const double half = std::sin(0.5 * x), sine = std::sin(x);
-    return {std::cos(x), sine / x, 2.0 * half * half / z, (x - sine) / x3};
+    const double half = sine_and_cosine(0.5 * x).sine, sine = sine_and_cosine(x).sine;
+    return {sine_and_cosine(x).cosine, sine / x, 2.0 * half * half / z, (x - sine) / x3};
   }
-  const double half = std::sinh(0.5 * x), sine = std::sinh(x);
-  return {std::cosh(x), sine / x, -2.0 * half * half / z, (sine - x) / x3};
+  const double half = hyperbolic_sine(0.5 * x), sine = hyperbolic_sine(x);
+  return {hyperbolic_cosine(x), sine / x, -2.0 * half * half / z, (sine - x) / x3};
 }
 
 /// Solves tau = s + e s^3 c3((1 - e) s^2) for s. This is Kepler's equation with the periapsis distance as
@@ -44,14 +46,14 @@ double universal_anomaly(double e, double tau) {
   double low = 0.0, high = std::numeric_limits<double>::infinity(), s = t;
   if (e > 1e-3) {  // the parabola-like cubic s + e s^3 / 6 = t
     const double k = std::sqrt(2.0 / e);
-    s = 2.0 * k * std::sinh(std::asinh(1.5 * t / (k * k * k) * 2.0 / e) / 3.0);
+    s = 2.0 * k * hyperbolic_sine(area_sine(1.5 * t / (k * k * k) * 2.0 / e) / 3.0);
   }
   if (beta > 0.0) {
     high = kPi / std::sqrt(beta);
     s = std::min(s, high);
   } else if (beta < 0.0) {  // (e - 1) sinh H <= N
     const double root = std::sqrt(-beta);
-    s = std::min(s, std::asinh(t * root) / root);
+    s = std::min(s, area_sine(t * root) / root);
   }
   for (int k = 0; k < most; ++k) {
     const double s2 = s * s;
@@ -78,9 +80,8 @@ Motion motion(const KeplerOrbit& orbit, double time) {
   const double s = universal_anomaly(e, since * speed / q);
   const Stumpff c = stumpff((1.0 - e) * s * s);
   const double width = std::sqrt(1.0 + e), distance = 1.0 + e * s * s * c.c2;
-  const Quat plane = Eigen::AngleAxisd(orbit.node, Vec3::UnitZ()) *
-                     Eigen::AngleAxisd(orbit.inclination, Vec3::UnitX()) *
-                     Eigen::AngleAxisd(orbit.argument, Vec3::UnitZ());
+  const Quat plane = rotation(orbit.node, Vec3::UnitZ()) * rotation(orbit.inclination, Vec3::UnitX()) *
+                     rotation(orbit.argument, Vec3::UnitZ());
   const Mat3 axes = plane.toRotationMatrix();
   return {axes * (q * Vec3(1.0 - s * s * c.c2, width * s * c.c1, 0.0)),
           axes * (speed / distance * Vec3(-s * c.c1, width * c.c0, 0.0))};

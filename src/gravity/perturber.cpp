@@ -1,66 +1,66 @@
 #include "gravity/perturber.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "gravity/perturber.cpp"
+#include <hwy/foreach_target.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "gravity/simd.h"
+#include "gravity/pack-inl.h"
+#include "gravity/points.h"
 
+HWY_BEFORE_NAMESPACE();
 namespace cairn::gravity {
-
+namespace HWY_NAMESPACE {
 namespace {
 
-struct Columns {
-  Pack x, y, z;
-};
-
-Columns gather(const Vec3* from, std::size_t count) {
-  double x[kLanes], y[kLanes], z[kLanes];
-  for (std::size_t i = 0; i < kLanes; ++i) {
-    const Vec3& v = from[std::min(i, count - 1)];
-    x[i] = v.x();
-    y[i] = v.y();
-    z[i] = v.z();
-  }
-  return {load(x), load(y), load(z)};
-}
-
-void scatter_add(const Columns& columns, Vec3* to, std::size_t count) {
-  double x[kLanes], y[kLanes], z[kLanes];
-  store(x, columns.x);
-  store(y, columns.y);
-  store(z, columns.z);
-  for (std::size_t i = 0; i < count; ++i) to[i] += Vec3(x[i], y[i], z[i]);
-}
-
 template <bool tidal>
-double add(const Pull& pull, std::span<const Vec3> positions, std::span<Vec3> acceleration) {
+double add_to(const Pull& pull, std::span<const Vec3> positions, std::span<Vec3> acceleration) {
   const Vec3& d = pull.place;
-  const Pack dx = spread(d.x()), dy = spread(d.y()), dz = spread(d.z()), gm = spread(pull.gm);
+  const Pack dx = d.x(), dy = d.y(), dz = d.z(), gm = pull.gm;
   const double d2 = d.squaredNorm();
-  const Pack inverse2 = spread(1.0 / d2), at_zero = spread(pull.gm / (d2 * std::sqrt(d2)));
-  Pack least = spread(std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < positions.size(); i += kLanes) {
-    const std::size_t count = std::min<std::size_t>(kLanes, positions.size() - i);
-    const Columns x = gather(&positions[i], count);
-    Columns a{dx - x.x, dy - x.y, dz - x.z};
+  const Pack inverse2 = 1.0 / d2, at_zero = pull.gm / (d2 * std::sqrt(d2));
+  Pack least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < positions.size(); i += kPack) {
+    const std::size_t count = positions.size() - i;
+    const PackVec x = load(&positions[i], count);
+    PackVec a{dx - x.x, dy - x.y, dz - x.z};
     const Pack square = fma(a.x, a.x, fma(a.y, a.y, a.z * a.z));
-    least = square < least ? square : least;
-    const Pack third = inverse_powers<false>(greater(square, Pack{}), square, gm).third;
+    least = min(least, count >= kPack ? square : select(head(count) > Pack(0.0), square, least));
+    const Pack third = inverse_powers(square, kCoincident * kCoincident, gm).third;
     if constexpr (tidal) {
       const Pack q =
           -inverse2 * fma(x.x, a.x + dx, fma(x.y, a.y + dy, x.z * (a.z + dz)));  // x.(x - 2D) / D^2
       // (1 + q)^(3/2) is at_zero over third.
-      const Pack f = q * fma(q, q + spread(3.0), spread(3.0)) * third / (third + at_zero);
+      const Pack f = q * fma(q, q + Pack(3.0), Pack(3.0)) * third / (third + at_zero);
       a = {-fma(f, dx, x.x), -fma(f, dy, x.y), -fma(f, dz, x.z)};
     }
-    scatter_add({third * a.x, third * a.y, third * a.z}, &acceleration[i], count);
+    store(&acceleration[i], load(&acceleration[i], count) + PackVec{third * a.x, third * a.y, third * a.z},
+          count);
   }
-  double lane[kLanes];
-  store(lane, least);
-  return *std::min_element(lane, lane + kLanes);
+  alignas(64) double lane[kPack];
+  least.store(lane);
+  return *std::min_element(lane, lane + kPack);
 }
 
+}  // namespace
+
+double add(const Pull& pull, std::span<const Vec3> positions, std::span<Vec3> acceleration) {
+  return pull.tidal ? add_to<true>(pull, positions, acceleration)
+                    : add_to<false>(pull, positions, acceleration);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace cairn::gravity
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace cairn::gravity {
+
+namespace {
+HWY_EXPORT(add);
 }  // namespace
 
 Motion motion(const Orbit& orbit, double time) {
@@ -76,7 +76,8 @@ double closest(const Orbit& orbit) {
 }
 
 double add_pull(const Pull& pull, std::span<const Vec3> positions, std::span<Vec3> acceleration) {
-  return pull.tidal ? add<true>(pull, positions, acceleration) : add<false>(pull, positions, acceleration);
+  return HWY_DYNAMIC_DISPATCH(add)(pull, positions, acceleration);
 }
 
 }  // namespace cairn::gravity
+#endif

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/elementary.h"
 #include "core/parallel.h"
 
 namespace cairn::gravity {
@@ -46,18 +47,13 @@ void arrive(HeldGravity& held) {
   if (!held.to.force.empty()) std::swap(held.from, held.to);
 }
 
-std::array<PackVec, 3> rows(const Quat& rotation) {
-  const Mat3 matrix = rotation.toRotationMatrix();
-  return {spread(matrix.row(0)), spread(matrix.row(1)), spread(matrix.row(2))};
-}
-
 }  // namespace
 
 Quat attitude_at(const HeldGravity& held, double time) {
   const Vec3 angle = (time - held.time) * held.omega;
   const double size = angle.norm();
   if (size == 0.0) return held.attitude;
-  return Quat(Eigen::AngleAxisd(size, angle / size)) * held.attitude;
+  return rotation(size, angle / size) * held.attitude;
 }
 
 void renew(HeldGravity& held, const Wrenches& now, std::span<const double> masses, double time,
@@ -97,33 +93,6 @@ void hold_on(HeldGravity& held, double time, const Vec3& omega, double dt, std::
   held.to = held.from == held.evaluated ? Wrenches{} : held.evaluated;
   held.steps = steps;
   held.interval = static_cast<double>(steps) * dt;
-}
-
-SelfGravity::SelfGravity(const HeldGravity& held, double time, std::span<const Vec3> positions,
-                         std::span<const double> masses)
-    : held_(held),
-      positions_(positions),
-      masses_(masses),
-      turned_(rows(attitude_at(held, time))),
-      part_(held.to.force.empty() ? 0.0 : (time - held.time) / held.interval),
-      balance_(positions, masses, [this](std::size_t g, std::size_t count) { return unbalanced(g, count); }) {
-}
-
-PackWrench SelfGravity::unbalanced(std::size_t g, std::size_t count) const {
-  const auto now = [&](const std::vector<Vec3>& from, const std::vector<Vec3>& to) -> PackVec {
-    PackVec f = load(&from[g], count);
-    if (part_ != 0.0) f = fma(spread(part_), load(&to[g], count) - f, f);
-    return {dot(turned_[0], f), dot(turned_[1], f), dot(turned_[2], f)};
-  };
-  return {now(held_.from.force, held_.to.force),
-          held_.from.torque.empty() ? PackVec{} : now(held_.from.torque, held_.to.torque)};
-}
-
-void SelfGravity::get(std::size_t g, std::size_t count, Vec3* force, Vec3* torque) const {
-  const PackWrench w =
-      balance_(load(&positions_[g], count), load_masses(masses_, g, count), unbalanced(g, count));
-  store(force, w.force, count);
-  store(torque, w.torque, count);
 }
 
 double reach_at_rest(double error, double scale, double fall_time) {

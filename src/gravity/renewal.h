@@ -5,7 +5,6 @@
 // conserved to round-off however rarely gravity is evaluated. While nothing moves, nothing is evaluated.
 #pragma once
 
-#include <array>
 #include <functional>
 
 #include "gravity/conserve.h"
@@ -49,29 +48,6 @@ bool rests(const HeldGravity& held, std::span<const Vec3> places, double reach);
 /// has been reached goes back to the last evaluation, and stays there from the next rest on, in a frame that
 /// turns by `omega` (rad/s).
 void hold_on(HeldGravity& held, double time, const Vec3& omega, double dt, std::uint64_t steps);
-
-/// The held gravity at one moment: wrenches on groups at their present places, in space, balanced. It looks
-/// at what it is made from, which has to stay.
-class SelfGravity {
- public:
-  /// At `time` (s), on groups at `positions` (m), of `masses` (kg).
-  SelfGravity(const HeldGravity& held, double time, std::span<const Vec3> positions,
-              std::span<const double> masses);
-
-  /// Forces (N) and torques (N m) on the first `count` of the kLanes groups from g on; torques of points are
-  /// those of the balance.
-  void get(std::size_t g, std::size_t count, Vec3* force, Vec3* torque) const;
-
- private:
-  PackWrench unbalanced(std::size_t g, std::size_t count) const;
-
-  const HeldGravity& held_;
-  std::span<const Vec3> positions_;
-  std::span<const double> masses_;
-  std::array<PackVec, 3> turned_;  // rows of the rotation to space
-  double part_;                    // of the interval that has passed; 0: nothing changes
-  Balance balance_;
-};
 
 /// How far a point may move (m) before the field on it, of grains that fall together in `fall_time` (s,
 /// 1 / sqrt(4 pi G rho / 3)), changes by a twentieth of `error` times `scale` (m/s^2): beside a ball it

@@ -35,7 +35,7 @@ void Tree::build(const Points& points, std::size_t leaf_size) {
     parallel_blocks(first + 1, std::max<std::size_t>(1, (first + 1) / 64),
                     [&](std::size_t begin, std::size_t end) {
                       for (std::size_t c = begin; c < end; ++c) {
-                        describe(first + c);
+                        cells_[first + c] = describe(arrays_, this->begin(first + c), this->end(first + c));
                         relate(first + c);
                       }
                     });
@@ -88,46 +88,6 @@ void Tree::halve(std::size_t cell) {
     }
     return a.index < b.index;
   });
-}
-
-void Tree::describe(std::size_t cell) {
-  const std::size_t from = begin(cell), to = end(cell);
-  Cell& c = cells_[cell];
-  c = {Vec3::Zero(), 0.0, 0.0, 0.0, 0.0};
-  if (from == to) return;
-  // About one of the points, so that a small cell far from the origin keeps its digits.
-  const Pack x0 = spread(arrays_.x[from]), y0 = spread(arrays_.y[from]), z0 = spread(arrays_.z[from]);
-  Pack mass{}, mx{}, my{}, mz{}, x{}, y{}, z{};
-  for (std::size_t i = from; i < to; i += kLanes) {
-    const Pack live = head(to - i), m = live * load(&arrays_.mass[i]);
-    const Pack dx = live * (load(&arrays_.x[i]) - x0), dy = live * (load(&arrays_.y[i]) - y0),
-               dz = live * (load(&arrays_.z[i]) - z0);
-    mass += m;
-    mx += m * dx;
-    my += m * dy;
-    mz += m * dz;
-    x += dx;
-    y += dy;
-    z += dz;
-  }
-  const double total = sum(mass);
-  const Vec3 offset = total > 0.0 ? Vec3(Vec3(sum(mx), sum(my), sum(mz)) / total)
-                                  : Vec3(Vec3(sum(x), sum(y), sum(z)) / static_cast<double>(to - from));
-  c.centre = Vec3(arrays_.x[from], arrays_.y[from], arrays_.z[from]) + offset;
-
-  double square = 0.0;
-  const Pack cx = spread(c.centre.x()), cy = spread(c.centre.y()), cz = spread(c.centre.z());
-  Pack largest{}, sixth{};
-  for (std::size_t i = from; i < to; i += kLanes) {
-    const Pack dx = load(&arrays_.x[i]) - cx, dy = load(&arrays_.y[i]) - cy, dz = load(&arrays_.z[i]) - cz;
-    const Pack d2 = head(to - i) * fma(dx, dx, fma(dy, dy, dz * dz));
-    largest = d2 > largest ? d2 : largest;
-    sixth = fma(load(&arrays_.mass[i]) * d2, d2 * d2, sixth);
-  }
-  for (int i = 0; i < kLanes; ++i) square = std::max(square, largest[i]);
-  c.radius = std::sqrt(square);
-  c.mass = total;
-  c.spread = total > 0.0 ? std::min(c.radius, std::sqrt(std::cbrt(sum(sixth) / total))) : c.radius;
 }
 
 void Tree::relate(std::size_t cell) {

@@ -6,7 +6,7 @@
 #include <array>
 #include <bit>
 
-#include "gravity/pair_kernel.h"
+#include "gravity/point_arrays.h"
 #include "gravity/points.h"
 
 namespace cairn::gravity {
@@ -19,6 +19,9 @@ struct Cell {
   double mass;    ///< kg
   double reach;   ///< no point of it has a fellow of its own group farther away than this, m
 };
+
+/// The cell of points [from, to); its reach is not found.
+Cell describe(const PointArrays& points, std::size_t from, std::size_t to);
 
 /// The groups of more than one point that a cell touches, when they are few.
 struct CellGroups {
@@ -70,7 +73,6 @@ class Tree {
   }
   void halve(std::size_t cell);
   void measure_groups(const Points& points);
-  void describe(std::size_t cell);
   void relate(std::size_t cell);
 
   unsigned depth_ = 0;

@@ -1,5 +1,9 @@
 #include "motion/drift.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "motion/drift.cpp"
+#include <hwy/foreach_target.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -7,10 +11,12 @@
 
 #include "body/cells.h"
 #include "core/parallel.h"
+#include "core/simd-inl.h"
 #include "core/vector.h"
 
+HWY_BEFORE_NAMESPACE();
 namespace cairn {
-
+namespace HWY_NAMESPACE {
 namespace {
 
 template <class T>
@@ -18,21 +24,9 @@ struct SineCosine {
   T sine, cosine;
 };
 
-/// Where the series of `sine_cosine` does not reach.
-void set_exactly(double x, bool large, SineCosine<double>& out) {
-  if (large) out = {std::sin(x), std::cos(x)};
-}
-void set_exactly(Batch x, Mask large, SineCosine<Batch>& out) {
-  for (std::size_t l = 0; l < kLanes; ++l)
-    if (large.v[l]) {
-      out.sine.v[l] = std::sin(x[l]);
-      out.cosine.v[l] = std::cos(x[l]);
-    }
-}
-
-/// The angles of a step are small, where the series is exact to round-off and far cheaper.
+/// For |x| up to 0.2, where the series is exact to round-off.
 template <class T>
-CAIRN_INLINE SineCosine<T> sine_cosine(T x) {
+CAIRN_INLINE SineCosine<T> sine_cosine_series(T x) {
   const T x2 = x * x, one(1.0);
   T s = fma(x2, T(-1.0 / 110), one), c = fma(x2, T(-1.0 / 132), one);
   s = fma(x2 * T(-1.0 / 72), s, one);
@@ -43,13 +37,27 @@ CAIRN_INLINE SineCosine<T> sine_cosine(T x) {
   c = fma(x2 * T(-1.0 / 30), c, one);
   s = fma(x2 * T(-1.0 / 6), s, one);
   c = fma(x2 * T(-1.0 / 12), c, one);
-  SineCosine<T> out{x * s, fma(T(-0.5) * x2, c, one)};
-  const auto large = x2 > T(0.04);
-  if (any(large)) set_exactly(x, large, out);
+  return {x * s, fma(T(-0.5) * x2, c, one)};
+}
+
+/// The angles of a step are small; others are halved until they are. No library's sine: their last bits
+/// differ.
+template <class T>
+CAIRN_INLINE SineCosine<T> sine_cosine(T x) {
+  const T limit(0.2), half(0.5);
+  if (!any(abs(x) > limit)) return sine_cosine_series(x);
+  int halvings = 0;
+  T small = x;
+  for (; halvings < 64 && any(abs(small) > limit); ++halvings) small = half * small;
+  SineCosine<T> out = sine_cosine_series(small);
+  for (; halvings > 0; --halvings) {
+    const T sine = T(2.0) * out.sine * out.cosine, cosine = fma(T(-2.0) * out.sine, out.sine, T(1.0));
+    out = {sine, cosine};
+  }
   return out;
 }
 
-/// Quat, one or eight at a time.
+/// Quat, one or several at a time.
 template <class T>
 struct Quaternion {
   T w;
@@ -114,7 +122,7 @@ CAIRN_INLINE Quaternion<T> free_top_turn(Triple<T> p, const Triple<T>& inertia, 
 struct Turns {
   std::size_t count = 0;
   std::size_t ball[kBodyBlock];
-  alignas(64) double half[kBodyBlock + 1][4];
+  alignas(64) double half[kBodyBlock][4];
 
   void add(std::size_t b, const Vec3& turn) {
     ball[count] = b;
@@ -123,63 +131,56 @@ struct Turns {
   }
 };
 
-/// Two balls turn at once, quaternion by quaternion, exactly.
-void turn_balls(Bodies& bodies, Turns& turns) {
-  using V = Batch::Vector;
-  using I = Mask::Vector;
-  constexpr I x{0, 0, 0, 0, 4, 4, 4, 4}, y{1, 1, 1, 1, 5, 5, 5, 5}, z{2, 2, 2, 2, 6, 6, 6, 6};
-  constexpr I with_x{3, 2, 1, 0, 7, 6, 5, 4}, with_y{2, 3, 0, 1, 6, 7, 4, 5}, with_z{1, 0, 3, 2, 5, 4, 7, 6};
-  constexpr V sign_x{1, -1, 1, -1, 1, -1, 1, -1}, sign_y{1, 1, -1, -1, 1, 1, -1, -1},
-      sign_z{-1, 1, 1, -1, -1, 1, 1, -1};
-  std::fill(turns.half[turns.count], turns.half[turns.count] + 4, 0.0);
-  for (std::size_t k = 0; k < turns.count; k += 2) {
-    double* first = bodies.orientation[turns.ball[k]].coeffs().data();
-    double* second = k + 1 < turns.count ? bodies.orientation[turns.ball[k + 1]].coeffs().data() : first;
-    V q = simd_detail::load(first, second), h;
-    __builtin_memcpy(&h, turns.half[k], sizeof h);
-    // (1, h) q
-    q = fma(Batch(sign_x * __builtin_shuffle(h, x)), __builtin_shuffle(q, with_x),
-            fma(Batch(sign_y * __builtin_shuffle(h, y)), __builtin_shuffle(q, with_y),
-                fma(Batch(sign_z * __builtin_shuffle(h, z)), __builtin_shuffle(q, with_z), Batch(q))))
-            .v;
-    const V pairs = q * q + __builtin_shuffle(q * q, with_z);
-    const Batch length2 = pairs + __builtin_shuffle(pairs, with_y);
+/// Balls turn, quaternion by quaternion, exactly.
+void turn_balls(Bodies& bodies, const Turns& turns) {
+  for (std::size_t k = 0; k < turns.count; k += kLanes) {
+    double* rows[kLanes];
+    const double* halves[kLanes];
+    for (std::size_t l = 0; l < kLanes; ++l) {  // spare places repeat a ball
+      const std::size_t turn = std::min(k + l, turns.count - 1);
+      rows[l] = bodies.orientation[turns.ball[turn]].coeffs().data();
+      halves[l] = turns.half[turn];
+    }
+    Batch q[4], h[4];
+    load_transposed(rows, q);
+    load_transposed(halves, h);
+    const Triple<Batch> half{h[0], h[1], h[2]}, v{q[0], q[1], q[2]};
+    const Batch w = fma(-half.x, v.x, fma(-half.y, v.y, fma(-half.z, v.z, q[3])));  // (1, half) q
+    const Triple<Batch> turned = fma(q[3], half, cross(half, v) + v);
     // 1 / length; the series is exact to round-off below the limit.
-    const Batch e = length2 - Batch(1.0), limit(1e-4);
+    const Batch length2 = fma(w, w, dot(turned, turned)), e = length2 - Batch(1.0), limit(1e-4);
     Batch scale = fma(e, fma(e, fma(e, Batch(-0.3125), Batch(0.375)), Batch(-0.5)), Batch(1.0));
     if (any(abs(e) > limit)) scale = select(abs(e) > limit, rsqrt(length2), scale);
-    q = q * scale.v;
-    simd_detail::Half low = __builtin_shufflevector(q, q, 0, 1, 2, 3),
-                      high = __builtin_shufflevector(q, q, 4, 5, 6, 7);
-    if (second != first) __builtin_memcpy(second, &high, sizeof high);
-    __builtin_memcpy(first, &low, sizeof low);
+    store_transposed({scale * turned.x, scale * turned.y, scale * turned.z, scale * w}, rows);
   }
 }
 
-/// Eight bodies turn over dt; spare places repeat a body.
+/// kLanes bodies turn over dt; spare places repeat a body.
 void turn_bodies(Bodies& bodies, const std::size_t (&index)[kLanes], double dt, std::size_t begin,
                  std::span<Vec3> spin_mid) {
   double* rows[kLanes];
-  Triple<Batch> momentum, inertia;
-  for (std::size_t l = 0; l < kLanes; ++l) {
-    rows[l] = bodies.orientation[index[l]].coeffs().data();
-    const Vec3 &spin = bodies.spin[index[l]], &moments = bodies.inertia[index[l]];
-    momentum.x.v[l] = spin.x();
-    momentum.y.v[l] = spin.y();
-    momentum.z.v[l] = spin.z();
-    inertia.x.v[l] = moments.x();
-    inertia.y.v[l] = moments.y();
-    inertia.z.v[l] = moments.z();
-  }
+  for (std::size_t l = 0; l < kLanes; ++l) rows[l] = bodies.orientation[index[l]].coeffs().data();
+  const auto gather = [&](const std::vector<Vec3>& from) HWY_ATTR -> Triple<Batch> {
+    Lanes x, y, z;
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const Vec3& v = from[index[l]];
+      x[l] = v.x();
+      y[l] = v.y();
+      z[l] = v.z();
+    }
+    return {x.batch(), y.batch(), z.batch()};
+  };
+  const Triple<Batch> momentum = gather(bodies.spin), inertia = gather(bodies.inertia);
   Batch q[4];
-  load_transposed({rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6], rows[7]}, q);
+  load_transposed(rows, q);
   const Quaternion<Batch> attitude{q[3], {q[0], q[1], q[2]}};
   const Batch step(dt);
   const Quaternion<Batch> turn = free_top_turn(attitude.conjugate().rotate(momentum), inertia, step);
   const Triple<Batch> w = attitude.rotate(Batch(2.0) / (step * turn.w) * turn.v);
   const Quaternion<Batch> turned = (attitude * turn).normalized();
   store_transposed({turned.v.x, turned.v.y, turned.v.z, turned.w}, rows);
-  for (std::size_t l = 0; l < kLanes; ++l) spin_mid[index[l] - begin] = {w.x[l], w.y[l], w.z[l]};
+  const Lanes x(w.x), y(w.y), z(w.z);
+  for (std::size_t l = 0; l < kLanes; ++l) spin_mid[index[l] - begin] = {x[l], y[l], z[l]};
 }
 
 /// x + rest += way, with what x cannot hold in `rest` (Knuth's two-sum). Equal steps are rounded alike:
@@ -192,7 +193,11 @@ void add_exactly(Vec3& x, Vec3& rest, const Vec3& way) {
 
 /// tan(x) / x, from x^2.
 double tangent_ratio(double x2) {
-  if (x2 > 1e-4) return std::tan(std::sqrt(x2)) / std::sqrt(x2);
+  if (x2 > 1e-4) {
+    const double x = std::sqrt(x2);
+    const SineCosine<double> at = sine_cosine(x);
+    return at.sine / (at.cosine * x);
+  }
   return 1.0 + x2 * (1.0 / 3.0) * (1.0 + x2 * 0.4 * (1.0 + x2 * (17.0 / 42.0)));
 }
 
@@ -210,11 +215,6 @@ void kick(Bodies& bodies, double dt, std::size_t begin, std::size_t end) {
     bodies.velocity[b] += (dt / bodies.mass[b]) * bodies.force[b];
     bodies.spin[b] += dt * bodies.torque[b];
   }
-}
-
-void kick(Bodies& bodies, double dt) {
-  parallel_blocks(bodies.size(), kBodyBlock,
-                  [&](std::size_t begin, std::size_t end) { kick(bodies, dt, begin, end); });
 }
 
 bool drift(Bodies& bodies, double dt, std::size_t begin, std::size_t end, std::span<Vec3> spin_mid) {
@@ -245,6 +245,36 @@ bool drift(Bodies& bodies, double dt, std::size_t begin, std::size_t end, std::s
   return left;
 }
 
+}  // namespace HWY_NAMESPACE
+}  // namespace cairn
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace cairn {
+
+namespace {
+HWY_EXPORT(rotate_free_top);
+HWY_EXPORT(kick);
+HWY_EXPORT(drift);
+}  // namespace
+
+Quat rotate_free_top(const Quat& attitude, const Vec3& angular_momentum, const Vec3& inertia, double dt) {
+  return HWY_DYNAMIC_DISPATCH(rotate_free_top)(attitude, angular_momentum, inertia, dt);
+}
+
+void kick(Bodies& bodies, double dt, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(kick)(bodies, dt, begin, end);
+}
+
+void kick(Bodies& bodies, double dt) {
+  parallel_blocks(bodies.size(), kBodyBlock,
+                  [&](std::size_t begin, std::size_t end) { kick(bodies, dt, begin, end); });
+}
+
+bool drift(Bodies& bodies, double dt, std::size_t begin, std::size_t end, std::span<Vec3> spin_mid) {
+  return HWY_DYNAMIC_DISPATCH(drift)(bodies, dt, begin, end, spin_mid);
+}
+
 void drift(Bodies& bodies, double dt, std::vector<Vec3>& spin_mid) {
   spin_mid.resize(bodies.size());
   std::atomic<bool> left = false;
@@ -263,3 +293,4 @@ void deform(Bodies& bodies, const Vec3& stretch, std::size_t begin, std::size_t 
 }
 
 }  // namespace cairn
+#endif

@@ -219,7 +219,7 @@ Setup assemble(const Scene& scene) {
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     const BodySpec& body = scene.bodies[k];
     const std::uint32_t index = shapes.index(body.shape, fmt::format("body[{}].shape", k));
-    const double volume = shapes.all()[index].volume * std::pow(body.size, 3);
+    const double volume = shapes.all()[index].volume * cubed(body.size);
     add_body(setup.bodies, shapes.all()[index], index, body.size,
              body.density ? *body.density : *body.mass / volume, material_index(scene, body.material),
              {.orientation = body.orientation,

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "core/elementary.h"
 #include "core/error.h"
 #include "core/random.h"
 #include "pile/order.h"
@@ -90,17 +91,18 @@ std::vector<std::int64_t> shape_counts(const CloudSpec& cloud) {
 
 /// Logarithm of the part of the normal distribution above z > 0, however far in the tail.
 double log_tail(double z) {
-  if (z < 30.0) return std::log(0.5 * std::erfc(z / std::sqrt(2.0)));
-  return -0.5 * z * z - std::log(z * std::sqrt(2.0 * kPi)) + std::log1p(-1.0 / (z * z));
+  if (z < 30.0) return logarithm(0.5 * complementary_error_function(z / std::sqrt(2.0)));
+  return -0.5 * z * z - logarithm(z * std::sqrt(2.0 * kPi)) + logarithm_of_one_plus(-1.0 / (z * z));
 }
 
 /// Where the normal distribution cut off at low and high has the part u below it.
 double draw_normal(double low, double high, double u) {
   if (high < 0.0) return -draw_normal(-high, -low, 1.0 - u);
-  const auto part_below = [](double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); };
+  const auto part_below = [](double z) { return 0.5 * complementary_error_function(-z / std::sqrt(2.0)); };
   const bool tail = low > 0.0;  // differences of `part_below` would be lost there
-  const double aim = tail ? log_tail(low) + std::log1p(u * std::expm1(log_tail(high) - log_tail(low)))
-                          : part_below(low) + u * (part_below(high) - part_below(low));
+  const double aim =
+      tail ? log_tail(low) + logarithm_of_one_plus(u * exponential_less_one(log_tail(high) - log_tail(low)))
+           : part_below(low) + u * (part_below(high) - part_below(low));
   for (int k = 0; k < 60; ++k) {
     const double z = 0.5 * (low + high);
     ((tail ? log_tail(z) > aim : part_below(z) < aim) ? low : high) = z;
@@ -109,9 +111,9 @@ double draw_normal(double low, double high, double u) {
 }
 
 double draw_log_normal(const CloudSpec& cloud, double u) {
-  const double z = draw_normal(std::log(cloud.size / cloud.median) / cloud.sigma,
-                               std::log(cloud.size_max / cloud.median) / cloud.sigma, u);
-  return std::clamp(cloud.median * std::exp(cloud.sigma * z), cloud.size, cloud.size_max);
+  const double z = draw_normal(logarithm(cloud.size / cloud.median) / cloud.sigma,
+                               logarithm(cloud.size_max / cloud.median) / cloud.sigma, u);
+  return std::clamp(cloud.median * exponential(cloud.sigma * z), cloud.size, cloud.size_max);
 }
 
 }  // namespace
@@ -129,9 +131,9 @@ double draw_size(const CloudSpec& cloud, double u) {
       break;
   }
   const double p = 1.0 - cloud.exponent;  // the cumulative number goes as size^p
-  if (std::abs(p) < 1e-12) return low * std::pow(high / low, u);
-  const double a = std::pow(low, p), b = std::pow(high, p);
-  return std::pow(a + (b - a) * u, 1.0 / p);
+  if (std::abs(p) < 1e-12) return low * power(high / low, u);
+  const double a = power(low, p), b = power(high, p);
+  return power(a + (b - a) * u, 1.0 / p);
 }
 
 void add_cloud(const CloudSpec& cloud, const std::vector<RigidShape>& shapes,
@@ -158,7 +160,7 @@ void add_cloud(const CloudSpec& cloud, const std::vector<RigidShape>& shapes,
 
   // Largest first: they need the widest gaps.
   std::stable_sort(grains.begin(), grains.end(), [](auto& a, auto& b) { return a.radius > b.radius; });
-  const double hole = cloud.hole, ball = std::max(std::cbrt(volume / cloud.filling + hole * hole * hole),
+  const double hole = cloud.hole, ball = std::max(cube_root(volume / cloud.filling + hole * hole * hole),
                                                   hole > 0.0 ? hole + 2.0 * largest : largest);
   Occupied occupied;
   for (Grain& g : grains) {

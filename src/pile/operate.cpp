@@ -7,6 +7,7 @@
 #include "analysis/budget.h"
 #include "body/cells.h"
 #include "body/select.h"
+#include "core/elementary.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "pile/region.h"
@@ -112,7 +113,7 @@ std::string scale(const ScaleSpec& spec, State& state, std::vector<ContactRecord
   }
   if (!state.held.empty())
     throw InputError("lengths cannot be scaled beside held bodies, which stay in their places");
-  const double factor = 1.0 / std::cbrt(ratio);
+  const double factor = 1.0 / cube_root(ratio);
   multiply_lengths(bodies, factor, contacts);
   state.walls.contacts.clear();  // walls stay where they are
   state.region_volume *= factor * factor * factor;

@@ -5,6 +5,7 @@
 
 #include "analysis/budget.h"
 #include "body/cells.h"
+#include "core/elementary.h"
 #include "pile/operate.h"
 
 namespace cairn {
@@ -17,7 +18,7 @@ double ball_volume(const Bodies& bodies) {
   double square = 0.0;
   for (std::size_t b = 0; b < bodies.size(); ++b)
     square += bodies.mass[b] * place(bodies, b, total.center).squaredNorm();
-  return 4.0 / 3.0 * kPi * std::pow(5.0 / 3.0 * square / total.mass, 1.5);
+  return 4.0 / 3.0 * kPi * power(5.0 / 3.0 * square / total.mass, 1.5);
 }
 
 /// The bodies as they are thought to be when a stage's turn comes.
@@ -47,7 +48,7 @@ class Outlook {
   std::vector<std::string> scale(const ScaleSpec& spec) {
     region_ = spec.volume.value_or(region_);
     if (!(region_ > 0.0)) return {};
-    const double ratio = (spec.density * region_ - held_) / mass_, lengths = 1.0 / std::cbrt(ratio);
+    const double ratio = (spec.density * region_ - held_) / mass_, lengths = 1.0 / cube_root(ratio);
     std::vector<std::string> out;
     const bool by_mass = spec.by == ScaleBy::mass;
     const double factor = by_mass ? ratio : lengths;

@@ -35,7 +35,7 @@ double ellipsoid_distance(const Vec3& semi_axes, const Vec3& x) {
 Region::Region(const RegionSpec& spec, const InputFiles& files) : spec_(spec) {
   switch (spec.kind) {
     case RegionKind::ball:
-      volume_ = 4.0 / 3.0 * kPi * std::pow(spec.radius, 3);
+      volume_ = 4.0 / 3.0 * kPi * cubed(spec.radius);
       reach_ = spec.radius;
       return;
     case RegionKind::ellipsoid:

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/elementary.h"
+
 namespace cairn {
 namespace {
 
@@ -44,7 +46,7 @@ Gauss gauss_legendre() {
   Gauss rule;
   constexpr int n = Gauss::kNodes;
   for (int i = 0; i < n; ++i) {
-    double x = std::cos(kPi * (i + 0.75) / (n + 0.5)), slope = 1.0;
+    double x = sine_and_cosine(kPi * (i + 0.75) / (n + 0.5)).cosine, slope = 1.0;
     for (int iteration = 0; iteration < 10; ++iteration) {
       double previous = 1.0, value = x;
       for (int k = 2; k <= n; ++k) {
@@ -64,9 +66,10 @@ class LatitudeIntegral {
  public:
   explicit LatitudeIntegral(const std::vector<Cap>& caps) {
     for (const Cap& cap : caps) {
-      double azimuth = std::atan2(cap.axis.y(), cap.axis.x());
+      double azimuth = arc_tangent(cap.axis.y(), cap.axis.x());
       if (azimuth < 0.0) azimuth += 2.0 * kPi;
-      caps_.push_back({cap.height, cap.axis.z(), std::hypot(cap.axis.x(), cap.axis.y()), azimuth});
+      caps_.push_back(
+          {cap.height, cap.axis.z(), std::sqrt(squared(cap.axis.x()) + squared(cap.axis.y())), azimuth});
     }
   }
 
@@ -94,8 +97,8 @@ class LatitudeIntegral {
     Monomials sum = Monomials::Zero();
     for (int i = 0; i < Gauss::kNodes; ++i) {
       const double angle = 0.5 * kPi * (0.5 * (begin + end) + 0.5 * (end - begin) * rule.node[i]);
-      const double jacobian = 0.25 * kPi * (end - begin) * half_ * std::cos(angle);
-      add_latitude(middle_ + half_ * std::sin(angle), jacobian * rule.weight[i], sum);
+      const double jacobian = 0.25 * kPi * (end - begin) * half_ * sine_and_cosine(angle).cosine;
+      add_latitude(middle_ + half_ * sine_and_cosine(angle).sine, jacobian * rule.weight[i], sum);
     }
     return sum;
   }
@@ -128,7 +131,7 @@ class LatitudeIntegral {
       const double reach = radius * cap.sin_tilt, distance = cap.height - z * cap.cos_tilt;
       if (distance >= reach) continue;
       if (distance <= -reach) return false;
-      const double half_width = std::acos(distance / reach);
+      const double half_width = arc_cosine(distance / reach);
       double begin = cap.azimuth - half_width;
       if (begin < 0.0) begin += 2.0 * kPi;
       const double end = begin + 2.0 * half_width;
@@ -145,7 +148,8 @@ class LatitudeIntegral {
   }
 
   void add_antiderivative(double angle, double sign) {
-    const double s = std::sin(angle), c = std::cos(angle), s3 = s * s * s / 3.0, c3 = c * c * c / 3.0;
+    const double s = sine_and_cosine(angle).sine, c = sine_and_cosine(angle).cosine, s3 = s * s * s / 3.0,
+                 c3 = c * c * c / 3.0;
     const std::array<double, 10> value = {
         angle, s, -c, 0.5 * (angle + s * c), 0.5 * s * s, 0.5 * (angle - s * c), s - s3, -c3, s3, c3 - c};
     for (std::size_t k = 0; k < value.size(); ++k) azimuth_[k] += sign * value[k];
@@ -186,7 +190,7 @@ std::vector<double> critical_latitudes(const std::vector<Cap>& caps) {
   };
   for (std::size_t i = 0; i < caps.size(); ++i) {
     const Cap& a = caps[i];
-    const double sin_tilt = std::hypot(a.axis.x(), a.axis.y());
+    const double sin_tilt = std::sqrt(squared(a.axis.x()) + squared(a.axis.y()));
     if (sin_tilt == 0.0) {
       latitudes.push_back(a.axis.z() > 0.0 ? a.height : -a.height);
     } else {  // the northernmost and southernmost points of the rim

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/elementary.h"
 #include "core/error.h"
 #include "shape/fit_error.h"
 #include "shape/fit_methods.h"
@@ -97,13 +98,13 @@ Shape fit_spheres(const SolidMesh& solid, const FitOptions& options) {
   if (options.spheres > kMostFitSpheres || (options.spheres == 0 && !(options.error > 0.0)))
     throw InputError("expected a budget of 1 to {} spheres or a positive error", kMostFitSpheres);
   const MassProperties mass = mass_of(solid.surface);
-  const double size = std::cbrt(mass.volume / (4.0 / 3.0 * kPi));
+  const double size = cube_root(mass.volume / (4.0 / 3.0 * kPi));
   const Standard standard(solid, mass.centroid, size);
   Shape shape = options.spheres > 0 ? fit(standard, options, options.spheres) : fewest(standard, options);
   shape.source->fit = FitRecord{options.strategy, options.mass, options.seed};
   shape.source->size = size;
   shape.source->origin = mass.centroid;
-  shape.source->mass = {4.0 / 3.0 * kPi, Vec3::Zero(), mass.inertia / std::pow(size, 5)};
+  shape.source->mass = {4.0 / 3.0 * kPi, Vec3::Zero(), mass.inertia / (cubed(size) * squared(size))};
   return shape;
 }
 

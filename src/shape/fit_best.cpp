@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/elementary.h"
 #include "core/parallel.h"
 #include "core/random.h"
 #include "shape/fit_error.h"
@@ -81,7 +82,8 @@ void insert(Shape& balls, std::size_t count, const Shape& candidates, const std:
   Gaps gaps(samples, balls);
   std::vector<std::pair<double, std::size_t>> order(candidates.radii.size());
   std::vector<double> taste;  // of each candidate
-  for (std::size_t c = 0; c < order.size(); ++c) taste.push_back(std::exp(noise * random.uniform(-1.0, 1.0)));
+  for (std::size_t c = 0; c < order.size(); ++c)
+    taste.push_back(exponential(noise * random.uniform(-1.0, 1.0)));
   const std::size_t stride = 1 + samples.size() / kGlance;
   parallel_blocks(order.size(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c)
@@ -109,7 +111,7 @@ void insert(Shape& balls, std::size_t count, const Shape& candidates, const std:
 void remove_least(Shape& balls, std::size_t count, const std::vector<Vec3>& samples, double noise,
                   Random& random) {
   std::vector<double> loss = Gaps(samples, balls).losses();
-  for (double& l : loss) l *= std::exp(noise * random.uniform(-1.0, 1.0));
+  for (double& l : loss) l *= exponential(noise * random.uniform(-1.0, 1.0));
   std::vector<std::size_t> order(loss.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),

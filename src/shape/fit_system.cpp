@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/math.h"
 #include "core/parallel.h"
 #include "core/random.h"
 
@@ -128,7 +129,7 @@ void FitSystem::add_moments(const Shape& balls, Evaluation& e) const {
   double volume = 0.0;
   Moments mean = Moments::Zero();
   for (std::size_t b = 0; b < count; ++b) {
-    const double v = std::pow(balls.radii[b], 3);
+    const double v = cubed(balls.radii[b]);
     volume += v;
     mean += v * terms(balls.centers[b], balls.radii[b]);
   }

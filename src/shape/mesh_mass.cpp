@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/elementary.h"
 #include "core/parallel.h"
 #include "shape/principal_frame.h"
 #include "shape/solid_mesh.h"
@@ -31,7 +32,7 @@ Vec3 equivalent_ellipsoid(const MassProperties& mass) {
   Vec3 axes;
   for (Eigen::Index k = 0; k < 3; ++k)
     axes[k] = std::sqrt(std::max(0.0, 2.5 * (moments.sum() - 2.0 * moments[k])));
-  return std::cbrt(mass.volume / (4.0 / 3.0 * kPi * axes.prod())) * axes;
+  return cube_root(mass.volume / (4.0 / 3.0 * kPi * axes.prod())) * axes;
 }
 
 TriangleMesh in_principal_frame(const TriangleMesh& mesh, const MassProperties& mass) {

@@ -239,9 +239,9 @@ class Reader {
     mesh.unit = positive(from, "unit", kSmallestUnit, kLargestUnit);
     mesh.size = positive(from, "size", kSmallestUnit, kLargestUnit);
     mesh.origin = Vec3(numbers<3>(from, "origin", kFarthest).data());
-    mesh.mass.volume = positive(from, "volume", std::pow(kSmallest, 3), std::pow(kLargest, 3));
+    mesh.mass.volume = positive(from, "volume", cubed(kSmallest), cubed(kLargest));
     mesh.mass.centroid = Vec3(numbers<3>(from, "centroid", kLargest).data());
-    const auto [xx, yy, zz, xy, xz, yz] = numbers<6>(from, "inertia", std::pow(kLargest, 5));
+    const auto [xx, yy, zz, xy, xz, yz] = numbers<6>(from, "inertia", cubed(kLargest) * squared(kLargest));
     mesh.mass.inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
     // A body of positive density has positive second moments.
     const Mat3 second = 0.5 * mesh.mass.inertia.trace() * Mat3::Identity() - mesh.mass.inertia;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/elementary.h"
+
 namespace cairn {
 
 SignedDistance::SignedDistance(const SolidMesh& solid)
@@ -16,7 +18,7 @@ SignedDistance::SignedDistance(const SolidMesh& solid)
       edge_normals_[t][k] = shape.normal + tree_.triangle(solid.neighbours[t][k]).normal;
       const Vec3 next = shape.corner[(k + 1) % 3] - shape.corner[k],
                  last = shape.corner[(k + 2) % 3] - shape.corner[k];
-      vertex_normals_[corners_[t][k]] += std::atan2(next.cross(last).norm(), next.dot(last)) * shape.normal;
+      vertex_normals_[corners_[t][k]] += arc_tangent(next.cross(last).norm(), next.dot(last)) * shape.normal;
     }
   }
 }

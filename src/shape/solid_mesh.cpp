@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/elementary.h"
 #include "core/error.h"
 #include "shape/mesh_file/triangulate.h"
 #include "shape/self_crossing.h"
@@ -203,7 +204,7 @@ class Checker {
       const Vec3 a = vertices()[triangles()[t][0]] - x, b = vertices()[triangles()[t][1]] - x,
                  c = vertices()[triangles()[t][2]] - x;
       const double la = a.norm(), lb = b.norm(), lc = c.norm();
-      angle += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+      angle += arc_tangent(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
     }
     return angle / (2.0 * kPi);
   }
@@ -217,7 +218,7 @@ class Checker {
     for (std::size_t t = 0; t < triangles().size(); ++t)
       if (part_[t] == outer)
         for (const Index v : triangles()[t]) box.extend(vertices()[v]);
-    if (!(volumes_[outer] > kNoVolume * std::pow(box.diagonal().norm(), 3)))
+    if (!(volumes_[outer] > kNoVolume * cubed(box.diagonal().norm())))
       fail(first_[outer], "encloses no volume: {}", facet(first_[outer]));
     const std::size_t parts = first_.size();
     if (parts > kMostParts)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/elementary.h"
 #include "core/random.h"
 
 namespace cairn {
@@ -43,7 +44,7 @@ std::vector<Vec3> spiral_directions(std::size_t count) {
   for (std::size_t n = 0; n < count; ++n) {
     const double z = 1.0 - (2.0 * static_cast<double>(n) + 1.0) / static_cast<double>(count);
     const double r = std::sqrt(1.0 - z * z), angle = turn * static_cast<double>(n);
-    directions.push_back({r * std::cos(angle), r * std::sin(angle), z});
+    directions.push_back({r * sine_and_cosine(angle).cosine, r * sine_and_cosine(angle).sine, z});
   }
   return directions;
 }

@@ -75,7 +75,7 @@ double UnionSurface::distance(const Vec3& x, double near) const {
       const Vec3 middle = centers[i] + along * axis;
       const double rim = std::sqrt(std::max(0.0, radii[i] * radii[i] - along * along));
       const Vec3 arm = (x - middle) - (x - middle).dot(axis) * axis;
-      if (std::hypot((x - middle).dot(axis), arm.norm() - rim) >= best) continue;
+      if (std::sqrt(squared((x - middle).dot(axis)) + squared(arm.norm() - rim)) >= best) continue;
       const Vec3 out = arm.norm() > 0.0 ? Vec3(arm.normalized()) : axis.unitOrthogonal();
       if (const Vec3 foot = middle + rim * out; exposed(foot, i, j, j)) best = (foot - x).norm();
       for (std::size_t c = b + 1; c < close.size(); ++c) {

@@ -42,7 +42,7 @@ Pulls pulls_now(const Physics& physics, const State& state) {
     if (p.tidal && shift != Vec3::Zero())
       gravity::add_pull({p.gm, place, true}, std::span(&shift, 1), std::span(&out.common, 1));
     out.each.push_back({p.gm, place - shift, p.tidal});
-    out.reach2 = std::max(out.reach2, std::pow(p.radius + physics.largest_radius, 2));
+    out.reach2 = std::max(out.reach2, squared(p.radius + physics.largest_radius));
   }
   return out;
 }

@@ -177,8 +177,8 @@ double free_step(const Scene& scene, std::size_t index, const Physics& p, const 
   const Spheres& spheres = bodies.spheres;
   if (p.gravity != GravityMethod::none && bodies.size() > 1)  // no two can be faster while they are apart
     for (std::size_t s = 0; s < spheres.size(); ++s)
-      shortest = std::min(
-          shortest, std::sqrt(std::pow(spheres.radius[s], 3) / (kGravitationalConstant * spheres.mass[s])));
+      shortest = std::min(shortest,
+                          std::sqrt(cubed(spheres.radius[s]) / (kGravitationalConstant * spheres.mass[s])));
   for (const gravity::Perturber& q : p.perturbers) {
     const double nearest = std::max(q.radius, q.tidal ? closest(q.orbit) : 0.0);
     if (nearest == 0.0)
@@ -186,7 +186,7 @@ double free_step(const Scene& scene, std::size_t index, const Physics& p, const 
                   "no time step can be chosen, because perturber '{}' has no radius and bodies may come as "
                   "near as they like; give contact.time_step",
                   q.name);
-    shortest = std::min(shortest, std::sqrt(std::pow(nearest, 3) / q.gm));
+    shortest = std::min(shortest, std::sqrt(cubed(nearest) / q.gm));
   }
   if (stage.spin)
     for (const SpinPoint& point : stage.spin->path) shortest = std::min(shortest, point.period / (2.0 * kPi));

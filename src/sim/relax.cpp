@@ -6,6 +6,7 @@
 #include "analysis/fragments.h"
 #include "analysis/spin_state.h"
 #include "body/cells.h"
+#include "core/elementary.h"
 #include "core/parallel.h"
 
 namespace cairn {
@@ -61,7 +62,7 @@ class InnerMotion {
 
 double relaxation_rate(const RelaxSpec& relax, double k_n, double mass, std::size_t bodies) {
   const auto count = static_cast<double>(bodies);
-  return relax.rate.value_or(2.0 * std::sqrt(k_n * count / mass) / std::cbrt(count));
+  return relax.rate.value_or(2.0 * std::sqrt(k_n * count / mass) / cube_root(count));
 }
 
 void begin_relaxation(const Physics& physics, State& state, Scratch& scratch) {
@@ -90,7 +91,7 @@ void relax(const Physics& physics, State& state, Scratch& scratch) {
   Bodies& bodies = state.bodies;
   for (const std::vector<std::uint32_t>& pile : scratch.piles) {
     const InnerMotion inner(state, pile);
-    const double left = std::exp(
+    const double left = exponential(
         -relaxation_rate(*physics.relax, physics.softest, inner.mass(), pile.size()) * physics.contacts.dt);
     const double energy = parallel_sum(pile.size(), 0.0, [&](std::size_t k) {
       const std::uint32_t b = pile[k];

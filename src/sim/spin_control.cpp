@@ -25,7 +25,7 @@ double relative_agitation(const Physics& physics, const State& state) {
   const SpinState whole = spin_state(state.bodies, all_bodies(state.bodies));
   double scale = 0.5 * rotation_rate(whole).dot(whole.angular_momentum);
   if (physics.gravity != GravityMethod::none)
-    scale = std::max(scale, 0.3 * whole.mass * std::pow(escape_speed(state.bodies), 2));
+    scale = std::max(scale, 0.3 * whole.mass * squared(escape_speed(state.bodies)));
   const double energy = agitation(state, budget(state.bodies));
   return energy > 0.0 ? energy / scale : 0.0;
 }

@@ -5,13 +5,16 @@
 #include <limits>
 #include <utility>
 
-#include "contact/law/law.h"
+#include "contact/law/law-inl.h"
+#include "core/elementary.h"
 #include "core/parallel.h"
 #include "sim/make_walls.h"
 #include "sim/relax.h"
 #include "sim/springs.h"
 
 namespace cairn {
+
+using namespace HWY_NAMESPACE;  // the law of one contact
 
 namespace {
 
@@ -123,7 +126,7 @@ StartEnergy start_energy(const Physics& physics, const State& state, const Obser
   } else {
     double work = 0.0;
     for (std::size_t b = 0; b < bodies.size(); ++b)
-      work += bodies.mass[b] * physics.field.norm() * std::cbrt(bodies.volume[b] / (4.0 / 3.0 * kPi));
+      work += bodies.mass[b] * physics.field.norm() * cube_root(bodies.volume[b] / (4.0 / 3.0 * kPi));
     out.scale = std::max(work, observation.agitation);
     out.of = work > observation.agitation ? "work that the field does over a radius"
                                           : "kinetic energy of the motion in the pile";

@@ -9,12 +9,13 @@
 #include "analysis/budget.h"
 #include "analysis/spin_state.h"
 #include "body/cells.h"
+#include "core/elementary.h"
 #include "core/error.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "core/timer.h"
 #include "gravity/accuracy.h"
-#include "gravity/conserve.h"
+#include "gravity/self_gravity.h"
 #include "motion/drift.h"
 #include "sim/agitation.h"
 #include "sim/relax.h"
@@ -65,7 +66,7 @@ Strain begin_strain(const Physics& physics, const Box& box) {
   if (!physics.packing) return strain;
   if (!box.closed()) throw InputError("stage.packing: the box is open, no packing fraction can be reached");
   const double now = packing_fraction(physics, box);
-  const double growth = std::log(now / *physics.packing);  // of the volume
+  const double growth = logarithm(now / *physics.packing);  // of the volume
   strain.until = std::abs(growth) > 1e-12 ? growth / strain.rate.sum() : 0.0;
   if (strain.until < 0.0)
     throw InputError("stage.packing: the bodies fill {:g} of the box, and strain_rate leads away from {:g}",
@@ -233,10 +234,10 @@ class OtherForces : public BodyWork {
       pull_.emplace(state.gravity, state.clock.time(), body_places(state.bodies, scratch), state.bodies.mass);
   }
   void before_contacts(Bodies& bodies, std::size_t begin, std::size_t end) const override {
-    constexpr std::size_t kFew = gravity::kLanes;
-    BodyWork::before_contacts(bodies, begin, end);
-    for (std::size_t b = begin; pull_ && b < end; b += kFew)
-      pull_->get(b, std::min(kFew, end - b), &bodies.force[b], &bodies.torque[b]);
+    if (pull_)
+      pull_->get(begin, end, bodies.force, bodies.torque);
+    else
+      BodyWork::before_contacts(bodies, begin, end);
     for (std::size_t b = begin; b < end; ++b) bodies.force[b] += bodies.mass[b] * field_;
   }
   void after_contacts(Bodies& bodies, std::size_t begin, std::size_t end) const override {

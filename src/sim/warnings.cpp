@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "contact/stiffness.h"
+#include "core/elementary.h"
 #include "sim/make_walls.h"
 
 namespace cairn {
@@ -69,7 +70,7 @@ std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies, 
     out.push_back(
         fmt::format("a body turns by {:.2g} rad in a step; its motion will not be accurate", spin * dt));
   for (const gravity::Perturber& p : physics.perturbers) {
-    const double passage = std::sqrt(std::pow(closest(p.orbit), 3) / p.gm);
+    const double passage = std::sqrt(cubed(closest(p.orbit)) / p.gm);
     if (p.tidal && dt > 0.01 * passage)
       out.push_back(
           fmt::format("the time step of {:.3g} s is long for perturber '{}', which passes in about {:.3g} s",
@@ -79,7 +80,7 @@ std::vector<std::string> warnings(const Physics& physics, const Bodies& bodies, 
     if (const std::optional<WallDrive>& drive = walls[w].drive; drive && physics.can_touch) {
       // So many contacts at once swing by half a radian in a step.
       const double most = 0.25 * drive->mass / (physics.stiffest * dt * dt),
-                   pressing = std::pow(static_cast<double>(bodies.spheres.size()), 2.0 / 3.0);
+                   pressing = power(static_cast<double>(bodies.spheres.size()), 2.0 / 3.0);
       if (pressing > most)
         out.push_back(fmt::format(
             "{} is light for a load that some {:.0f} spheres may bear: its motion will not be followed; take "

@@ -2,6 +2,7 @@
 // counter.
 #include <benchmark/benchmark.h>
 
+#include "core/instruction_set.h"
 #include "gravity/direct.h"
 #include "gravity/fmm.h"
 #include "unit/gravity/clouds.h"
@@ -39,4 +40,8 @@ BENCHMARK(fmm)
 
 }  // namespace
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  cairn::obey_environment();
+  benchmark::Initialize(&argc, argv);
+  benchmark::RunSpecifiedBenchmarks();
+}

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "body/columns.h"
+#include "core/instruction_set.h"
 #include "core/parallel.h"
 #include "core/random.h"
 #include "core/runtime.h"
@@ -191,6 +192,7 @@ void perturber(benchmark::State& run, const std::string& pile) {
 
 int main(int argc, char** argv) {
   cairn::tune_runtime(argv);
+  cairn::obey_environment();
   benchmark::Initialize(&argc, argv);
   if (argc != 2) {
     std::fputs("usage: bench_step FOLDER [benchmark options]: a folder of packings made by bench_packing\n",

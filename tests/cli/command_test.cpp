@@ -3,6 +3,7 @@
 
 #include "cli/program.h"
 #include "cli/scenes.h"
+#include "core/instruction_set.h"
 #include "io/results.h"
 
 namespace cairn::cli {
@@ -42,6 +43,29 @@ TEST(TimeStep, TooLongIsRefusedAndForcedEndsWithAReadableFile) {
     EXPECT_EQ(time, number_after(end.err, "t = ")) << summary.out << end.err;
   EXPECT_TRUE(refused(cairn(folder, {"resume", "forced.h5"}), {"forced.h5", "cannot go on", "overlap by"}));
   EXPECT_TRUE(contents(folder / "forced.h5").contains("/checkpoint/position"));
+}
+
+TEST(InstructionSet, IsToldAndCanBeChosen) {
+  const Folder folder;
+  const auto set = [](const Outcome& version) {
+    const std::string word = "\ninstruction set: ";
+    const std::size_t at = version.out.find(word) + word.size();
+    return version.out.substr(at, version.out.find(" of ", at) - at);
+  };
+  const Outcome version = cairn(folder, {"--version"});
+  EXPECT_TRUE(succeeded(version));
+  EXPECT_TRUE(contains(version.out, CAIRN_VERSION));
+  const std::string best = set(version), lowest = instruction_sets().back();
+  EXPECT_EQ(best, instruction_sets().front());
+  EXPECT_EQ(set(cairn(folder, {"--instruction-set", lowest, "--version"})), lowest);
+  EXPECT_TRUE(refused(cairn(folder, {"--instruction-set", "MMX", "--version"}), {"MMX", best, lowest}));
+
+  folder.write("two.toml", kTwo);
+  const Outcome run = cairn(folder, {"--instruction-set", lowest, "run", "two.toml"});
+  EXPECT_TRUE(succeeded(run));
+  EXPECT_TRUE(contains(run.out, ", " + lowest + " (")) << run.out;
+  const Outcome info = cairn(folder, {"info", "two.h5"});
+  EXPECT_TRUE(contains(info.out, lowest == "SSE4" ? "no fused multiply-adds" : "fused multiply-adds"));
 }
 
 TEST(Pile, ARunContinuesFromItsBodiesAndContacts) {

@@ -194,10 +194,10 @@ TEST(ExtremeMotion, WallsThatNoStepCanFollow) {
   EXPECT_EQ(
       said("velocity = [0, 0, 0.01]\noscillation_amplitude = [0, 0, 1e-3]\noscillation_frequency = 1\n"), "");
   const std::string swing = said("oscillation_amplitude = [0, 0, 1e-9]\noscillation_frequency = 1e6\n");
-  EXPECT_NE(swing.find("wall 0 oscillates by"), std::string::npos) << swing;
+  EXPECT_NE(swing.find("wall 0 (plane, stage.toml:27) oscillates by"), std::string::npos) << swing;
   EXPECT_NE(swing.find("take a time_step of at most 4.8e-08 s"), std::string::npos) << swing;
   const std::string turn = said("angular_velocity = [0, 0, 1000]\n");
-  EXPECT_NE(turn.find("wall 0 turns by"), std::string::npos) << turn;
+  EXPECT_NE(turn.find("wall 0 (plane, stage.toml:27) turns by"), std::string::npos) << turn;
   const std::string fast = said("velocity = [0, 0, 3e4]\n");
   EXPECT_NE(fast.find("bodies and walls that meet at 3e+04 m/s would overlap"), std::string::npos) << fast;
   EXPECT_NE(fast.find("bodies and walls move by"), std::string::npos) << fast;

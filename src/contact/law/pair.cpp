@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/elementary.h"
+
 namespace cairn {
 
 Material mix(const Material& a, const Material& b) {
@@ -19,7 +21,7 @@ Material mix(const Material& a, const Material& b) {
 
 double damping_ratio(double restitution) {
   if (restitution <= 0.0) return 2.0;
-  const double log_e = std::log(restitution);
+  const double log_e = logarithm(restitution);
   return -2.0 * log_e / std::sqrt(kPi * kPi + log_e * log_e);
 }
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "contact/law/features.h"
-#include "contact/law/law.h"
 #include "contact/law/material.h"
+#include "contact/law/memory.h"
 #include "core/math.h"
 
 namespace cairn {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/elementary.h"
 #include "core/error.h"
 #include "shape/mesh_file/text.h"
 
@@ -111,8 +112,9 @@ class PlateReader {
   void place_by_angles() {
     for (Vec3& x : surface_.vertices) {
       const double latitude = x[*latitude_] * kPi / 180.0, longitude = x[1 - *latitude_] * kPi / 180.0;
-      const double across = std::abs(x[*latitude_]) == 90.0 ? 0.0 : std::cos(latitude);
-      x = x.z() * Vec3(across * std::cos(longitude), across * std::sin(longitude), std::sin(latitude));
+      const double across = std::abs(x[*latitude_]) == 90.0 ? 0.0 : sine_and_cosine(latitude).cosine;
+      x = x.z() * Vec3(across * sine_and_cosine(longitude).cosine, across * sine_and_cosine(longitude).sine,
+                       sine_and_cosine(latitude).sine);
     }
     double volume = 0.0;
     for (std::size_t f = 0; f < surface_.ends.size(); ++f) {

@@ -4,6 +4,8 @@
 
 #include "shape/mesh_file/number_table.h"
 
+#include "core/elementary.h"
+
 namespace cairn {
 namespace {
 
@@ -116,9 +118,10 @@ class GridReader {
     for (std::uint32_t i = 0; i < rows; ++i)
       for (std::uint32_t j = 0; j < (is_pole(i) ? 1 : ring); ++j) {
         const double latitude = latitudes_[i] * kPi / 180.0, longitude = -longitudes_[j] * kPi / 180.0;
-        const double across = is_pole(i) ? 0.0 : std::cos(latitude);
-        surface_.vertices.push_back(radius(i, j) * Vec3(across * std::cos(longitude),
-                                                        across * std::sin(longitude), std::sin(latitude)));
+        const double across = is_pole(i) ? 0.0 : sine_and_cosine(latitude).cosine;
+        surface_.vertices.push_back(radius(i, j) * Vec3(across * sine_and_cosine(longitude).cosine,
+                                                        across * sine_and_cosine(longitude).sine,
+                                                        sine_and_cosine(latitude).sine));
       }
     const auto vertex = [&](std::uint32_t i, std::uint32_t j) { return 1 + (i - 1) * ring + j % ring; };
     const std::uint32_t last = 1 + (rows - 2) * ring;

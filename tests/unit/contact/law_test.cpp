@@ -1,4 +1,4 @@
-#include "contact/law/law.h"
+#include "contact/law/law-inl.h"
 
 #include <gtest/gtest.h>
 
@@ -10,6 +10,8 @@
 
 namespace cairn {
 namespace {
+
+using namespace HWY_NAMESPACE;
 
 constexpr double kStiffness = 1e6;
 
@@ -98,66 +100,6 @@ TEST(EffectiveMass, IsTheSameFromBothSidesAndFollowsTheLever) {
     EXPECT_NEAR(1.0 / one.normal, 2.5 + lever.dot(i.inverse_inertia * lever) + 0.7 * b.cross(n).squaredNorm(),
                 1e-13);
   }
-}
-
-template <Features F>
-void expect_batch_agrees() {
-  Random random(2, 0);
-  const PairLaw law = rough_law(50.0);
-  for (int round = 0; round < 50; ++round) {
-    State one[kLanes];
-    ContactGeometry<Batch> geometry;
-    ContactMotion<Batch> motion;
-    ContactMemory<Batch> memory;
-    const auto put = [](Triple<Batch>& to, const Triple<double>& from, std::size_t l) {
-      to.x.v[l] = from.x;
-      to.y.v[l] = from.y;
-      to.z.v[l] = from.z;
-    };
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      const State& s = one[l] = random_state(random);
-      put(geometry.n, s.geometry.n, l);
-      put(geometry.n_mid, s.geometry.n_mid, l);
-      geometry.overlap.v[l] = s.geometry.overlap;
-      geometry.radius.v[l] = s.geometry.radius;
-      geometry.slip_lever.v[l] = s.geometry.slip_lever;
-      put(motion.u, s.motion.u, l);
-      put(motion.w, s.motion.w, l);
-      put(motion.u_mid, s.motion.u_mid, l);
-      put(motion.w_mid, s.motion.w_mid, l);
-      put(motion.turn, s.motion.turn, l);
-      motion.dt.v[l] = s.motion.dt;
-      memory.c_n.v[l] = s.memory.c_n;
-      memory.c_s.v[l] = s.memory.c_s;
-      put(memory.slide, s.memory.slide, l);
-      put(memory.roll, s.memory.roll, l);
-      memory.twist.v[l] = s.memory.twist;
-    }
-    const ContactAction<Batch> eight = evaluate<F>(LawConstants<Batch>(law), geometry, motion, memory);
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      const ContactAction<double> action = act<F>(law, one[l]);
-      const auto same = [l](const Triple<Batch>& a, const Triple<double>& b) {
-        const Vec3 from(a.x[l], a.y[l], a.z[l]);
-        EXPECT_LE((from - vector(b)).norm(), 1e-13 * vector(b).norm());
-      };
-      same(eight.force, action.force);
-      same(eight.couple, action.couple);
-      EXPECT_NEAR(eight.dissipated[l], action.dissipated, 1e-12 * std::abs(action.dissipated));
-      same(memory.slide, one[l].memory.slide);
-      same(memory.roll, one[l].memory.roll);
-      EXPECT_NEAR(memory.twist[l], one[l].memory.twist, 1e-13 * std::abs(one[l].memory.twist));
-    }
-  }
-}
-
-TEST(Law, EightContactsAtOnceAgreeWithOne) {
-  expect_batch_agrees<kNormal>();
-  expect_batch_agrees<kNormalCohesion>();
-  expect_batch_agrees<kFriction>();
-  expect_batch_agrees<kFrictionCohesion>();
-  expect_batch_agrees<kWhole>();
-  expect_batch_agrees<kWholeCohesion>();
-  expect_batch_agrees<kWholeSlip>();
 }
 
 TEST(Law, FrictionHoldsToTheCoulombLimitAndNoFurther) {

@@ -7,12 +7,15 @@
 #include <cmath>
 
 #include "contact/candidates.h"
+#include "contact/law/law-inl.h"
 #include "core/random.h"
 #include "core/vector.h"
 #include "shape/library.h"
 
 namespace cairn {
 namespace {
+
+using namespace HWY_NAMESPACE;  // the law of one contact
 
 constexpr double kStiffness = 1e6;
 

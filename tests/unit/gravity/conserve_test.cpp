@@ -1,4 +1,4 @@
-#include "gravity/conserve.h"
+#include "gravity/conserve-inl.h"
 
 #include <gtest/gtest.h>
 
@@ -8,16 +8,20 @@
 namespace cairn::gravity {
 namespace {
 
+using namespace HWY_NAMESPACE;
+
 // Wrenches on groups, cleared of what is net.
-Wrenches balanced(const Cloud& groups, const Wrenches& w) {
+Wrenches cleared(const Cloud& groups, const Wrenches& w) {
   Wrenches out{std::vector<Vec3>(groups.size()), std::vector<Vec3>(groups.size())};
   const auto at = [&](std::size_t g, std::size_t count) -> PackWrench {
     return {load(&w.force[g], count), load(&w.torque[g], count)};
   };
-  const Balance balance(groups.x, groups.mass, at);
-  for (std::size_t g = 0; g < groups.size(); g += kLanes) {
+  const Vec3& origin = groups.x[0];
+  const Balance change = balance(net_wrench(groups.x, groups.mass, origin, at), origin);
+  for (std::size_t g = 0; g < groups.size(); g += kPack) {
     const std::size_t count = groups.size() - g;
-    const PackWrench b = balance(load(&groups.x[g], count), load_masses(groups.mass, g, count), at(g, count));
+    const PackWrench b =
+        balanced(change, load(&groups.x[g], count), load_masses(groups.mass, g, count), at(g, count));
     store(&out.force[g], b.force, count);
     store(&out.torque[g], b.torque, count);
   }
@@ -54,7 +58,7 @@ TEST(Conserve, NothingIsLeftOfNetForceAndTorque) {
   for (Vec3& t : w.torque) t = 1e4 * random.in_ball();
   EXPECT_GT(net_of(cloud, w).force, 1e-5);
   EXPECT_GT(net_of(cloud, w).torque, 1e-6);
-  const Wrenches b = balanced(cloud, w);
+  const Wrenches b = cleared(cloud, w);
   EXPECT_LT(net_of(cloud, b).force, 1e-15);
   EXPECT_LT(net_of(cloud, b).torque, 1e-15);
   EXPECT_LT(rms_error(b.force, w.force), 3e-3);  // a small change
@@ -74,7 +78,7 @@ TEST(Conserve, AMoonFeelsLessOfThePilesBalanceThanThePile) {
   const double pull = exact.force[1000].norm();
   const double astray = rms_error(w.force, exact.force);
   EXPECT_GT(astray, 1e-4);
-  EXPECT_LT((balanced(cloud, w).force[1000] - exact.force[1000]).norm(), 0.3 * astray * pull);
+  EXPECT_LT((cleared(cloud, w).force[1000] - exact.force[1000]).norm(), 0.3 * astray * pull);
 }
 
 TEST(Conserve, LinesPlacesAndSingleGroupsAreBalancedByTheirTorques) {
@@ -90,7 +94,7 @@ TEST(Conserve, LinesPlacesAndSingleGroupsAreBalancedByTheirTorques) {
       w.force.push_back(Vec3(std::sin(i), std::cos(2.0 * i), std::sin(3.0 * i)));
       w.torque.push_back(Vec3(1.0, std::sin(5.0 * i), 0.0));
     }
-    const Wrenches b = balanced(*cloud, w);
+    const Wrenches b = cleared(*cloud, w);
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
     for (std::size_t i = 0; i < cloud->size(); ++i) {
       EXPECT_LT(b.force[i].norm(), 10.0);
@@ -106,7 +110,7 @@ TEST(Conserve, ABinaryFarApartIsBalancedByALittleForce) {
   Cloud cloud;
   cloud.add_group({{1e9, 0, 0}}, 5e11);
   cloud.add_group({{0, 0, 0}}, 1e10);
-  const Wrenches w = balanced(cloud, {{Vec3(-3, 0.2, 0), Vec3(3.1, 0, 0)}, {Vec3(5, 1, 0), Vec3(2, 0, 7)}});
+  const Wrenches w = cleared(cloud, {{Vec3(-3, 0.2, 0), Vec3(3.1, 0, 0)}, {Vec3(5, 1, 0), Vec3(2, 0, 7)}});
   EXPECT_LT(net_of(cloud, w).force, 1e-15);
   EXPECT_LT(net_of(cloud, w).torque, 1e-15);
   EXPECT_LT(w.force[0].norm(), 4.0);
@@ -115,7 +119,7 @@ TEST(Conserve, ABinaryFarApartIsBalancedByALittleForce) {
 TEST(Conserve, WithoutForcesThereIsNothingToDo) {
   const Cloud cloud = ball(10);
   const std::vector<Vec3> none(10, Vec3::Zero());
-  const Wrenches w = balanced(cloud, {none, none});
+  const Wrenches w = cleared(cloud, {none, none});
   for (std::size_t g = 0; g < 10; ++g) EXPECT_EQ(w.force[g].norm() + w.torque[g].norm(), 0.0);
 }
 

@@ -1,4 +1,4 @@
-#include "gravity/renewal.h"
+#include "gravity/self_gravity.h"
 
 #include <gtest/gtest.h>
 
@@ -30,8 +30,7 @@ Net net_of(const Cloud& centres, const Wrenches& w) {
 Wrenches at(const HeldGravity& held, double time, const Cloud& centres) {
   Wrenches w{std::vector<Vec3>(centres.size()), std::vector<Vec3>(centres.size())};
   const SelfGravity gravity(held, time, centres.x, centres.mass);
-  for (std::size_t g = 0; g < centres.size(); g += kLanes)
-    gravity.get(g, centres.size() - g, &w.force[g], &w.torque[g]);
+  gravity.get(0, centres.size(), w.force, w.torque);
   return w;
 }
 

@@ -778,9 +778,15 @@ duration = 1
                             place = file.read_series("wall_lid_displacement"),
                             speed = file.read_series("wall_lid_speed");
   for (std::size_t k = 1; k < stage.size(); ++k) {
-    if (stage[k] == 1.0) EXPECT_EQ(speed[k], 0.0);
-    if (stage[k] != stage[k - 1]) EXPECT_EQ(speed[k], 0.0);
-    if (stage[k] == 1.0) EXPECT_NEAR(place[k], 0.5 * 3.0 * 4.0, 1e-9);
+    if (stage[k] == 1.0) {
+      EXPECT_EQ(speed[k], 0.0);
+    }
+    if (stage[k] != stage[k - 1]) {
+      EXPECT_EQ(speed[k], 0.0);
+    }
+    if (stage[k] == 1.0) {
+      EXPECT_NEAR(place[k], 0.5 * 3.0 * 4.0, 1e-9);
+    }
   }
   EXPECT_NEAR(place.back(), 0.5 * 3.0 * (4.0 + 1.0), 1e-9);
   EXPECT_NEAR(speed.back(), 3.0, 1e-9);

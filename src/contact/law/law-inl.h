@@ -1,34 +1,30 @@
 // The contact law of one pair: spring, dashpot and slider for each relative motion, with cohesion.
-// Pure functions of one contact, for T = double or Batch (eight contacts at once).
+// Pure functions of one contact, for T = double or Batch (several contacts at once).
 // Equations: Zhang et al. 2017 (Icarus 294, 98) section 2, Zhang et al. 2021 (Icarus 362, 114433) eq. 1,
 // Schwartz et al. 2012 (Granular Matter 14, 363), Jiang et al. 2015.
-#pragma once
 
 #include "contact/law/features.h"
-#include "core/simd.h"
+#include "contact/law/memory.h"
+#include "core/simd-inl.h"
 
+#if defined(CAIRN_CONTACT_LAW_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef CAIRN_CONTACT_LAW_INL_H
+#undef CAIRN_CONTACT_LAW_INL_H
+#else
+#define CAIRN_CONTACT_LAW_INL_H
+#endif
+
+HWY_BEFORE_NAMESPACE();
 namespace cairn {
+namespace HWY_NAMESPACE {
 
-/// Constants of a pair of materials at the stiffness in force.
-struct PairLaw {
-  double k_n = 0.0;        ///< normal stiffness, N/m
-  double k_s = 0.0;        ///< tangential stiffness, N/m
-  double damping_n = 0.0;  ///< C_N / sqrt(k_N mu)
-  double damping_s = 0.0;  ///< C_S / sqrt(k_S mu_t)
-  double friction = 0.0;   ///< mu_S
-  double rolling = 0.0;    ///< mu_R beta
-  double twisting = 0.0;   ///< mu_T beta mu_S
-  double beta = 0.0;
-  double cohesion = 0.0;  ///< c (2 beta)^2, Pa
-};
-
-/// PairLaw, one or eight at a time.
+/// PairLaw, one or several at a time.
 template <class T>
 struct LawConstants {
   T k_n, k_s, friction, rolling, twisting, beta, cohesion;
 
   LawConstants() = default;
-  explicit LawConstants(const PairLaw& law)
+  CAIRN_INLINE explicit LawConstants(const PairLaw& law)
       : k_n(law.k_n),
         k_s(law.k_s),
         friction(law.friction),
@@ -36,14 +32,6 @@ struct LawConstants {
         twisting(law.twisting),
         beta(law.beta),
         cohesion(law.cohesion) {}
-};
-
-/// What a contact remembers from step to step.
-template <class T>
-struct ContactMemory {
-  T c_n, c_s;             ///< dashpot constants, kg/s, from the effective masses at first touch
-  Triple<T> slide, roll;  ///< spring lengths: m, rad
-  T twist;                ///< rad
 };
 
 /// Where the two surfaces meet, at the end of the drift and in its middle.
@@ -147,14 +135,15 @@ CAIRN_INLINE ContactAction<T> evaluate(const LawConstants<T>& law, const Contact
   const T pressed_mid =
       max(fma(law.k_n, fma(T(0.5) * dt, u_n_mid, geometry.overlap), -(memory.c_n * u_n_mid)), zero);
   const Rotation<T> turn((T(0.5) * dt) * motion.turn);  // of the springs over half a step
-  const auto advance = [&](const Triple<T>& spring, const Triple<T>& rate) __attribute__((always_inline)) {
+  const auto advance = [&](const Triple<T>& spring, const Triple<T>& rate) HWY_ATTR
+      __attribute__((always_inline)) {
     return flatten(turn(fma(dt, rate, turn(spring))), n);
   };
   // Spring, dashpot, slider: the spring is shortened to what the slider holds, then the sum is cut to the
   // limit, `hold` times the pressing force. The work lost is, to second order, that done on the drag of
   // mid-step less what the spring has gained; where nothing slides that is the work of the dashpot.
   const auto slide = [&](T stiffness, T damping, T hold, Triple<T> & spring, const Triple<T>& rate,
-                         const Triple<T>& rate_mid) __attribute__((always_inline)) {
+                         const Triple<T>& rate_mid) HWY_ATTR __attribute__((always_inline)) {
     const T limit = hold * pressed, limit_mid = hold * pressed_mid;
     const T half_stiffness = T(0.5) * stiffness;
     const T length2 = dot(spring, spring), way2 = dt * dot(rate_mid, rate_mid);
@@ -239,4 +228,8 @@ double stored_energy(const LawConstants<double>& law, double overlap, double rad
   return energy;
 }
 
+}  // namespace HWY_NAMESPACE
 }  // namespace cairn
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,13 +1,22 @@
 // What the walk does to a cell in the fast multipole method.
-#pragma once
 
 #include <algorithm>
 
 #include "core/parallel.h"
-#include "gravity/expansion.h"
+#include "gravity/expansion-inl.h"
+#include "gravity/pair_kernel-inl.h"
 #include "gravity/tree.h"
 
+#if defined(CAIRN_GRAVITY_FMM_KERNEL_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef CAIRN_GRAVITY_FMM_KERNEL_INL_H
+#undef CAIRN_GRAVITY_FMM_KERNEL_INL_H
+#else
+#define CAIRN_GRAVITY_FMM_KERNEL_INL_H
+#endif
+
+HWY_BEFORE_NAMESPACE();
 namespace cairn::gravity {
+namespace HWY_NAMESPACE {
 
 /// Multipoles of every cell, upwards from the leaves: Indices::kReduced numbers a cell, and one row of zeros
 /// more.
@@ -17,16 +26,16 @@ void gather_multipoles(const Tree& tree, std::vector<double>& reduced) {
   reduced.resize((tree.cells() + 1) * I::kReduced);
   std::fill_n(reduced.end() - I::kReduced, I::kReduced, 0.0);
   const PointArrays& p = tree.points();
-  const auto gather = [&](std::size_t cell) {
+  const auto gather = [&](std::size_t cell) HWY_ATTR {
     const Cell& c = tree[cell];
     std::array<double, I::kAll> moments{};
     if (tree.leaf(cell)) {
-      std::array<Pack, I::kAll> sums{};
-      for (std::size_t i = tree.begin(cell); i < tree.end(cell); i += kLanes) {
+      std::array<Pack, I::kAll> sums;
+      for (Pack& each : sums) each = Pack(0.0);
+      for (std::size_t i = tree.begin(cell); i < tree.end(cell); i += kPack) {
         const Pack mass = head(tree.end(cell) - i) * load(&p.mass[i]);
-        const auto w =
-            powers<order>(spread(c.centre.x()) - load(&p.x[i]), spread(c.centre.y()) - load(&p.y[i]),
-                          spread(c.centre.z()) - load(&p.z[i]));
+        const auto w = powers<order>(Pack(c.centre.x()) - load(&p.x[i]), Pack(c.centre.y()) - load(&p.y[i]),
+                                     Pack(c.centre.z()) - load(&p.z[i]));
         for (std::size_t n = 0; n < w.size(); ++n) sums[n] = fma(mass, w[n], sums[n]);
       }
       for (std::size_t n = 0; n < sums.size(); ++n) moments[n] = sum(sums[n]);
@@ -42,7 +51,7 @@ void gather_multipoles(const Tree& tree, std::vector<double>& reduced) {
   for (unsigned level = tree.depth() + 1; level-- > 0;) {
     const std::size_t first = (std::size_t{1} << level) - 1;
     parallel_blocks(first + 1, std::max<std::size_t>(1, (first + 1) / 64),
-                    [&](std::size_t begin, std::size_t end) {
+                    [&](std::size_t begin, std::size_t end) HWY_ATTR {
                       for (std::size_t c = begin; c < end; ++c) gather(first + c);
                     });
   }
@@ -71,8 +80,9 @@ class FmmKernel {
       shift_local<order>(parent.data(), d.x(), d.y(), d.z(), local.data());
     }
     if (far.empty()) return local;
-    std::array<Pack, I::kReduced> sums{};
-    for (std::size_t i = 0; i < far.size(); i += kLanes) meet_far(centre, far, i, sums);
+    std::array<Pack, I::kReduced> sums;
+    for (Pack& each : sums) each = Pack(0.0);
+    for (std::size_t i = 0; i < far.size(); i += kPack) meet_far(centre, far, i, sums);
     std::array<double, I::kReduced> total;
     for (std::size_t n = 0; n < total.size(); ++n) total[n] = sum(sums[n]);
     add_expanded<order>(total.data(), local.data());
@@ -91,29 +101,31 @@ class FmmKernel {
   // Adds the expansions of far[i], ..., one to a lane; lanes past the end read the row of zeros.
   void meet_far(const Vec3& centre, const List& far, std::size_t i,
                 std::array<Pack, I::kReduced>& sums) const {
-    Pack x{}, y{}, z{};
-    const double* rows[kLanes];
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const std::size_t k = i + static_cast<std::size_t>(lane);
+    alignas(64) double dx[kPack], dy[kPack], dz[kPack];
+    const double* rows[kPack];
+    for (std::size_t lane = 0; lane < kPack; ++lane) {
+      const std::size_t k = i + lane;
       const std::size_t source = far[std::min(k, far.size() - 1)];
       const Vec3 d = centre - tree_[source].centre;
-      x[lane] = d.x();
-      y[lane] = d.y();
-      z[lane] = d.z();
+      dx[lane] = d.x();
+      dy[lane] = d.y();
+      dz[lane] = d.z();
       rows[lane] = &reduced_[(k < far.size() ? source : tree_.cells()) * I::kReduced];
     }
     std::array<Pack, I::kReduced> m;
     for (std::size_t n = 0; n < m.size(); ++n) {
-      for (int lane = 0; lane < kLanes; ++lane) m[n][lane] = rows[lane][n];
+      alignas(64) double column[kPack];
+      for (std::size_t lane = 0; lane < kPack; ++lane) column[lane] = rows[lane][n];
+      m[n] = load(column);
     }
-    const Pack square = fma(x, x, fma(y, y, z * z));
-    const InversePowers w = inverse_powers<true>(greater(square, Pack{}), square, spread(1.0));
+    const Pack x = load(dx), y = load(dy), z = load(dz), square = fma(x, x, fma(y, y, z * z));
+    const InversePowers w = inverse_powers(square, kCoincident * kCoincident, Pack(1.0));
     std::array<Pack, I::kAll> d;
     derivatives<order>(x, y, z, w.first, w.third, d);
-    unroll<I::kReduced>([&](auto at) {
+    unroll<I::kReduced>([&](auto at) HWY_ATTR __attribute__((always_inline)) {
       constexpr int n = at;
       Pack total = sums[n];
-      unroll<I::kReduced>([&](auto other) {
+      unroll<I::kReduced>([&](auto other) HWY_ATTR __attribute__((always_inline)) {
         constexpr int k = other;
         if constexpr (I::at(n).degree() + I::at(k).degree() <= order)
           total = fma(d[I::sum(n, k)], m[k], total);
@@ -148,7 +160,8 @@ class FmmKernel {
     const std::size_t near_count = copy(near, s.near), mixed_count = copy(mixed, s.mixed);
     const PointArrays& p = tree_.points();
     for (std::size_t i = begin; i < end; i += kTile) {
-      PairSum sums[kTile]{};
+      PairSum sums[kTile];
+      for (PairSum& each : sums) each.clear();
       attract<with_potential, false>(p, i, s.near, 0, near_count, sums);
       attract<with_potential, true>(p, i, s.mixed, 0, mixed_count, sums);
       for (std::size_t k = 0; k < kTile && i + k < end; ++k) {
@@ -165,22 +178,25 @@ class FmmKernel {
   void add_local(std::size_t leaf, const Local& local) const {
     const PointArrays& p = tree_.points();
     const Vec3 c = tree_[leaf].centre;
-    for (std::size_t i = tree_.begin(leaf); i < tree_.end(leaf); i += kLanes) {
-      const auto w = powers<order>(load(&p.x[i]) - spread(c.x()), load(&p.y[i]) - spread(c.y()),
-                                   load(&p.z[i]) - spread(c.z()));
-      Pack field[3]{}, value{};
-      unroll<I::kAll>([&](auto at) {
+    for (std::size_t i = tree_.begin(leaf); i < tree_.end(leaf); i += kPack) {
+      const auto w = powers<order>(load(&p.x[i]) - Pack(c.x()), load(&p.y[i]) - Pack(c.y()),
+                                   load(&p.z[i]) - Pack(c.z()));
+      Pack field[3] = {0.0, 0.0, 0.0}, value = 0.0;
+      unroll<I::kAll>([&](auto at) HWY_ATTR __attribute__((always_inline)) {
         constexpr int n = at;
-        if constexpr (with_potential) value = fma(w[n], spread(local[n]), value);
+        if constexpr (with_potential) value = fma(w[n], Pack(local[n]), value);
         if constexpr (I::at(n).degree() < order) {
           for (int k = 0; k < 3; ++k)
-            field[k] = fma(w[n], spread(local[static_cast<std::size_t>(I::raise(n, k))]), field[k]);
+            field[k] = fma(w[n], Pack(local[static_cast<std::size_t>(I::raise(n, k))]), field[k]);
         }
       });
-      for (std::size_t k = 0; k < kLanes && i + k < tree_.end(leaf); ++k) {
+      alignas(64) double lane[4][kPack];
+      for (int k = 0; k < 3; ++k) field[k].store(lane[k]);
+      if constexpr (with_potential) value.store(lane[3]);
+      for (std::size_t k = 0; k < kPack && i + k < tree_.end(leaf); ++k) {
         const std::size_t to = tree_.original(i + k);
-        acceleration_[to] += kGravitationalConstant * Vec3(field[0][k], field[1][k], field[2][k]);
-        if constexpr (with_potential) potential_[to] -= kGravitationalConstant * value[k];
+        acceleration_[to] += kGravitationalConstant * Vec3(lane[0][k], lane[1][k], lane[2][k]);
+        if constexpr (with_potential) potential_[to] -= kGravitationalConstant * lane[3][k];
       }
     }
   }
@@ -191,4 +207,8 @@ class FmmKernel {
   std::span<double> potential_;
 };
 
+}  // namespace HWY_NAMESPACE
 }  // namespace cairn::gravity
+HWY_AFTER_NAMESPACE();
+
+#endif

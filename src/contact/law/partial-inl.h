@@ -7,13 +7,21 @@
 // speed is the work of spring and cohesion between the surfaces' meeting and the overlap at that end of the
 // step which lies within the contact, less what the dashpot takes on that way. Beside other forces they are
 // trapezoids in time.
-#pragma once
 
 #include <cmath>
 
-#include "contact/law/law.h"
+#include "contact/law/law-inl.h"
 
+#if defined(CAIRN_CONTACT_LAW_PARTIAL_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef CAIRN_CONTACT_LAW_PARTIAL_INL_H
+#undef CAIRN_CONTACT_LAW_PARTIAL_INL_H
+#else
+#define CAIRN_CONTACT_LAW_PARTIAL_INL_H
+#endif
+
+HWY_BEFORE_NAMESPACE();
 namespace cairn {
+namespace HWY_NAMESPACE {
 
 /// How long before the end of the step the surfaces met (s), from the overlap (m), the normal velocity in
 /// mid-step (m/s) and the step dt (s): dt where they were not nearing each other.
@@ -129,4 +137,8 @@ ContactAction<double> parting(const LawConstants<double>& law, const ContactGeom
   return due;
 }
 
+}  // namespace HWY_NAMESPACE
 }  // namespace cairn
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -5,20 +5,28 @@
 //   target, sum over sources m / |x - t| = sum over n of s^n / n! L_n,   s from the target cell's centre.
 // The same pairs (n, m) serve both directions, so forces of two cells on each other are equal and opposite.
 // D is traceless, so of M and of L only the (order+1)^2 components with c <= 1 are independent.
-#pragma once
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "gravity/simd.h"
+#include "gravity/pack-inl.h"
 
+#if defined(CAIRN_GRAVITY_EXPANSION_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef CAIRN_GRAVITY_EXPANSION_INL_H
+#undef CAIRN_GRAVITY_EXPANSION_INL_H
+#else
+#define CAIRN_GRAVITY_EXPANSION_INL_H
+#endif
+
+HWY_BEFORE_NAMESPACE();
 namespace cairn::gravity {
+namespace HWY_NAMESPACE {
 
 /// Calls f(std::integral_constant<int, i>) for i in [0, count), unrolled.
 template <int count, class F>
-[[gnu::always_inline]] inline void unroll(F&& f) {
-  [&]<int... i>(std::integer_sequence<int, i...>) {
+CAIRN_INLINE void unroll(F&& f) {
+  [&]<int... i>(std::integer_sequence<int, i...>) HWY_ATTR __attribute__((always_inline)) {
     (f(std::integral_constant<int, i>{}), ...);
   }
   (std::make_integer_sequence<int, count>{});
@@ -75,11 +83,11 @@ inline std::array<Real, Indices<order>::kAll> powers(Real x, Real y, Real z) {
   using I = Indices<order>;
   const Real s[3] = {x, y, z};
   std::array<Real, I::kAll> result;
-  result[0] = Real{} + 1.0;
-  unroll<I::kAll - 1>([&](auto k) {
+  result[0] = Real(1.0);
+  unroll<I::kAll - 1>([&](auto k) HWY_ATTR __attribute__((always_inline)) {
     constexpr int n = k + 1;
     constexpr int axis = I::at(n).c > 0 ? 2 : I::at(n).b > 0 ? 1 : 0;
-    result[n] = result[I::lower(n, axis)] * s[axis] * (1.0 / I::at(n)[axis]);
+    result[n] = result[I::lower(n, axis)] * s[axis] * Real(1.0 / I::at(n)[axis]);
   });
   return result;
 }
@@ -89,20 +97,20 @@ inline std::array<Real, Indices<order>::kAll> powers(Real x, Real y, Real z) {
 /// 218), D^k_{n+e} = n_e D^{k+1}_{n-e} + x_e D^{k+1}_n from D^k_0 = (-1)^k (2k-1)!! / r^(2k+1), and the
 /// trace.
 template <int order>
-[[gnu::always_inline]] inline void derivatives(Pack x, Pack y, Pack z, Pack inverse, Pack cube,
-                                               std::array<Pack, Indices<order>::kAll>& d) {
+CAIRN_INLINE void derivatives(Pack x, Pack y, Pack z, Pack inverse, Pack cube,
+                              std::array<Pack, Indices<order>::kAll>& d) {
   using I = Indices<order>;
   const Pack s[3] = {x, y, z};
   const Pack square = inverse * inverse;
   Pack seed[order + 1];
   seed[0] = inverse;
   seed[1] = -cube;
-  for (int k = 2; k <= order; ++k) seed[k] = seed[k - 1] * square * (1.0 - 2.0 * k);
-  unroll<order + 1>([&](auto step) {
+  for (int k = 2; k <= order; ++k) seed[k] = seed[k - 1] * square * Pack(1.0 - 2.0 * k);
+  unroll<order + 1>([&](auto step) HWY_ATTR __attribute__((always_inline)) {
     constexpr int k = order - step;  // in place: level k replaces level k + 1 from the highest degree down
-    unroll<order - k>([&](auto down) {
+    unroll<order - k>([&](auto down) HWY_ATTR __attribute__((always_inline)) {
       constexpr int degree = order - k - down;
-      unroll<I::kReduced>([&](auto at) {
+      unroll<I::kReduced>([&](auto at) HWY_ATTR __attribute__((always_inline)) {
         constexpr int n = at;
         if constexpr (I::at(n).degree() == degree) {
           constexpr int axis = I::at(n).c == 1           ? 2
@@ -113,7 +121,7 @@ template <int order>
           constexpr int one = I::lower(n, axis);
           if constexpr (I::lower(one, axis) >= 0) {
             constexpr int two = I::lower(one, axis);
-            d[n] = fma(s[axis], d[one], d[two] * (1.0 * I::at(one)[axis]));
+            d[n] = fma(s[axis], d[one], d[two] * Pack(1.0 * I::at(one)[axis]));
           } else {
             d[n] = s[axis] * d[one];
           }
@@ -122,7 +130,7 @@ template <int order>
     });
     d[0] = seed[k];
   });
-  unroll<I::kAll>([&](auto at) {
+  unroll<I::kAll>([&](auto at) HWY_ATTR __attribute__((always_inline)) {
     constexpr int n = at;
     if constexpr (I::at(n).c == 2) {
       constexpr int base = I::lower(I::lower(n, 2), 2);
@@ -193,14 +201,18 @@ template <int order>
 inline void shift_multipole(const double* child, double x, double y, double z, double* parent) {
   const auto p = powers<order>(-x, -y, -z);
   for (const auto& e : ShiftTable<order>::kEntries)
-    if (e.m < Indices<order>::kReduced) parent[e.sum] = std::fma(p[e.n], child[e.m], parent[e.sum]);
+    if (e.m < Indices<order>::kReduced) parent[e.sum] = fma(p[e.n], child[e.m], parent[e.sum]);
 }
 
 /// Adds a parent's local expansion to its child's; (x, y, z) from the parent's centre to the child's.
 template <int order>
 inline void shift_local(const double* parent, double x, double y, double z, double* child) {
   const auto p = powers<order>(x, y, z);
-  for (const auto& e : ShiftTable<order>::kEntries) child[e.n] = std::fma(p[e.m], parent[e.sum], child[e.n]);
+  for (const auto& e : ShiftTable<order>::kEntries) child[e.n] = fma(p[e.m], parent[e.sum], child[e.n]);
 }
 
+}  // namespace HWY_NAMESPACE
 }  // namespace cairn::gravity
+HWY_AFTER_NAMESPACE();
+
+#endif

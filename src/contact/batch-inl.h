@@ -1,15 +1,23 @@
-// Eight contacts at once: their motions, springs and wrenches, from memory to registers and back.
-#pragma once
+// Several contacts at once: their motions, springs and wrenches, from memory to registers and back.
 
 #include <vector>
 
 #include "contact/history.h"
 #include "contact/kinematics.h"
-#include "core/simd.h"
+#include "contact/law/law-inl.h"
 
+#if defined(CAIRN_CONTACT_BATCH_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef CAIRN_CONTACT_BATCH_INL_H
+#undef CAIRN_CONTACT_BATCH_INL_H
+#else
+#define CAIRN_CONTACT_BATCH_INL_H
+#endif
+
+HWY_BEFORE_NAMESPACE();
 namespace cairn {
+namespace HWY_NAMESPACE {
 
-/// The motions of eight spheres, transposed.
+/// The motions of kLanes spheres, transposed.
 struct MotionBatch {
   Triple<Batch> position, velocity_mid, spin_mid, velocity, spin;
   Batch radius;
@@ -22,7 +30,7 @@ CAIRN_INLINE MotionBatch load_motions(const std::vector<SphereMotion>& motions,
     low[l] = motions[index[l]].position;
     high[l] = low[l] + 8;
   }
-  Batch a[kLanes], b[kLanes];
+  Batch a[8], b[8];
   load_transposed(low, a);
   load_transposed(high, b);
   return {.position = {a[0], a[1], a[2]},
@@ -33,7 +41,7 @@ CAIRN_INLINE MotionBatch load_motions(const std::vector<SphereMotion>& motions,
           .radius = a[3]};
 }
 
-/// The slots of eight contacts; in a quiet packing they usually follow each other.
+/// The slots of kLanes contacts; in a quiet packing they usually follow each other.
 struct Slots {
   std::uint32_t index[kLanes];
   bool consecutive;
@@ -42,15 +50,13 @@ struct Slots {
 };
 
 CAIRN_INLINE Batch gather(const std::vector<double>& from, const Slots& slot) {
-  Batch out;
-  if (slot.consecutive)
-    __builtin_memcpy(&out, &from[slot[0]], sizeof out);
-  else
-    for (std::size_t l = 0; l < kLanes; ++l) out.v[l] = from[slot[l]];
-  return out;
+  if (slot.consecutive) return Batch::load(&from[slot[0]]);
+  Lanes out;
+  for (std::size_t l = 0; l < kLanes; ++l) out[l] = from[slot[l]];
+  return out.batch();
 }
 
-/// The springs of eight contacts; what F lacks is neither read nor written.
+/// The springs of kLanes contacts; what F lacks is neither read nor written.
 template <Features F>
 CAIRN_INLINE void load_springs(const ContactList& contacts, const Slots& slot, ContactMemory<Batch>& m) {
   const double* rows[kLanes];
@@ -82,15 +88,27 @@ CAIRN_INLINE void store_springs(ContactList& contacts, const Slots& slot, const 
   }
 }
 
-/// Wrenches of eight contacts on their spheres i, and less those on j.
+/// Wrenches of kLanes contacts on their spheres i, and less those on j.
 struct WrenchBatch {
   Triple<Batch> force, torque_i, less_torque_j;
 
-  ContactWrench of(std::size_t l) const {
-    return {{force.x[l], force.y[l], force.z[l]},
-            {torque_i.x[l], torque_i.y[l], torque_i.z[l]},
-            {-less_torque_j.x[l], -less_torque_j.y[l], -less_torque_j.z[l]}};
+  /// That of each contact.
+  CAIRN_INLINE void write(ContactWrench (&to)[kLanes]) const {
+    const auto put = [](const Triple<Batch>& t, double sign, std::size_t l, double(&out)[3]) HWY_ATTR {
+      out[0] = sign * Lanes(t.x)[l];
+      out[1] = sign * Lanes(t.y)[l];
+      out[2] = sign * Lanes(t.z)[l];
+    };
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      put(force, 1.0, l, to[l].force);
+      put(torque_i, 1.0, l, to[l].torque_i);
+      put(less_torque_j, -1.0, l, to[l].torque_j);
+    }
   }
 };
 
+}  // namespace HWY_NAMESPACE
 }  // namespace cairn
+HWY_AFTER_NAMESPACE();
+
+#endif
