@@ -78,7 +78,9 @@ void Tree::halve(std::size_t cell) {
     if (high[k] - low[k] > kLonger * (high[axis] - low[axis])) axis = k;
   }
   const double side = high[axis] - low[axis];
-  const double scale = side > 0.0 ? 1.0 / (kPart * std::exp2(std::ceil(std::log2(side)))) : 0.0;
+  int exponent = 0;  // side is at most two to it, and more than half of that
+  if (std::frexp(side, &exponent) == 0.5) --exponent;
+  const double scale = side > 0.0 ? std::ldexp(1.0 / kPart, -exponent) : 0.0;
   const int second = (axis + 1) % 3, third = (axis + 2) % 3;
   std::nth_element(from, middle, to, [=](const Item& a, const Item& b) {
     for (const int k : {axis, second, third}) {

@@ -104,7 +104,7 @@ std::vector<std::vector<std::uint8_t>> touching_walls(const Scene& scene,
   for (const std::string& set : sets) {
     out.emplace_back();
     for (std::size_t w = 0; w < scene.walls.size(); ++w)
-      out.back().push_back(set.find("," + wall_name(scene, w) + ",") != std::string::npos);
+      out.back().push_back(set.find(fmt::format(",{},", wall_name(scene, w))) != std::string::npos);
   }
   return out;
 }
