@@ -466,12 +466,20 @@ std::string wall_name(const Scene& scene, std::size_t wall) {
   return name.empty() ? fmt::format("{}", wall) : name;
 }
 
+const std::vector<std::pair<std::string, WallKind>>& wall_kinds() {
+  static const std::vector<std::pair<std::string, WallKind>> all{{"plane", WallKind::plane},
+                                                                 {"sphere", WallKind::sphere},
+                                                                 {"cylinder", WallKind::cylinder},
+                                                                 {"mesh", WallKind::mesh}};
+  return all;
+}
+
 std::string describe_wall(const Scene& scene, std::size_t wall) {
   const WallSpec& spec = scene.walls[wall];
-  const char* const kinds[] = {"plane", "sphere", "cylinder", "mesh"};  // as WallKind counts them
-  return fmt::format(
-      "wall {} ({}, {})", spec.name.empty() ? fmt::format("{}", wall) : fmt::format("'{}'", spec.name),
-      kinds[static_cast<std::size_t>(spec.kind)], scene.sources.place(fmt::format("wall[{}]", wall)));
+  const auto kind = std::ranges::find(wall_kinds(), spec.kind, &std::pair<std::string, WallKind>::second);
+  return fmt::format("wall {} ({}, {})",
+                     spec.name.empty() ? fmt::format("{}", wall) : fmt::format("'{}'", spec.name),
+                     kind->first, scene.sources.place(fmt::format("wall[{}]", wall)));
 }
 
 bool contacts_of(const Scene& scene, std::size_t stage) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "body/cells.h"
@@ -304,6 +305,9 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::f
 
 /// What other tables and the columns of the series call wall `wall`: its name, or its number.
 std::string wall_name(const Scene& scene, std::size_t wall);
+
+/// The words for kinds of walls.
+const std::vector<std::pair<std::string, WallKind>>& wall_kinds();
 
 /// What messages call it: "wall 'lid' (plane, scene.toml:12)", with its number where it has no name.
 std::string describe_wall(const Scene& scene, std::size_t wall);

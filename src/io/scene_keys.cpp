@@ -156,11 +156,7 @@ const Keys<WallSpec> kWallKeys = {
     text("name", &WallSpec::name, kName,
          "what messages, other tables and the series call it (wall_NAME_force_x ...): letters, digits, '_', "
          "'-'; absent: its number, from 0"),
-    choice("kind", &WallSpec::kind,
-           {{"plane", WallKind::plane},
-            {"sphere", WallKind::sphere},
-            {"cylinder", WallKind::cylinder},
-            {"mesh", WallKind::mesh}},
+    choice("kind", &WallSpec::kind, wall_kinds(),
            "shape of the wall; a cylinder is infinite along its axis, both sides of a mesh are solid")
         .required(),
     text("material", &WallSpec::material, kReference, kMaterialHelp),
